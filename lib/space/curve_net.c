@@ -9,8 +9,8 @@
 #include <string.h>
 
 enum { MOST_NEWTON = 12 };
-static const double parallel = 1e-5; /* sine of the angle of curves that run along each other */
-static const double same_place = 1e-7; /* part of the extent: ends on another curve, whose error is 1e-9 */
+static const double parallel = 1e-5;   /* sine of the angle of curves that run along each other */
+static const double same_place = 3e-8; /* part of the extent: ends on another curve, whose error is 1e-9 */
 
 typedef struct cut {
   int piece;

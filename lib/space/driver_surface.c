@@ -236,6 +236,14 @@ void km_driver_surface_matrix(const km_driver_surface *f, km_curve_kind kind, do
       K[i * w + k] = kind == KM_CURVE_OUTPUT ? f->G[(i - r) * w + k] : f->control[i - r] == k;
 }
 
+int km_driver_surface_sign(km_driver_surface *f, km_curve_kind kind, double *K, int *row) {
+  km_driver_surface_update(f);
+  if (kind == KM_CURVE_OUTPUT)
+    km_driver_surface_update_output(f);
+  km_driver_surface_matrix(f, kind, K);
+  return km_real_determinant(K, km_driver_surface_joints(f), row) < 0.0 ? -1 : 1;
+}
+
 bool km_driver_surface_move(km_driver_surface *f, const double *step) {
   if (f->number) {
     double change = step[f->columns - 1] * (f->high[1] - f->low[1]);
@@ -313,7 +321,7 @@ static double within(double value, double low, double high) {
 double km_driver_surface_margin(const km_driver_surface *f, int except) {
   double least = HUGE_VAL;
   for (int d = 0; d < 2; ++d)
-    if (f->control[d] != except)
+    if (f->control[d] != except && !f->is_full_turn[d])
       least = fmin(least, within(km_driver_surface_value(f, d), f->low[d], f->high[d]));
   for (int k = 0; k < km_driver_surface_joints(f) && f->keeps_limits; ++k) {
     int c = km_driver_surface_coordinate(f, k);

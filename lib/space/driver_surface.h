@@ -31,6 +31,7 @@ typedef struct km_driver_surface {
   int columns, rows; /* unknowns, with the number behind the coordinates; rows = columns − controls */
   int control_count, control[KM_MAX_PATH_DRIVERS]; /* columns of the controls */
   double low[2], high[2];                          /* ranges of two controls: the model's units */
+  bool is_full_turn[2];                            /* a hinge whose range is a full turn, and so without ends */
   bool keeps_limits;                               /* joint limits bound curves too */
   km_design_number *number;                        /* the last control; NULL: a driver */
   int *other;                                      /* [rows] the other columns */
@@ -73,6 +74,8 @@ int km_driver_surface_joints(const km_driver_surface *f);
 void km_driver_surface_update_output(km_driver_surface *f);
 /* K[joints × joints] by rows, of the last update. */
 void km_driver_surface_matrix(const km_driver_surface *f, km_curve_kind kind, double *K);
+/* Sign of det K of this kind at the state's configuration; K[joints × joints] and row[joints] are workspace. */
+int km_driver_surface_sign(km_driver_surface *f, km_curve_kind kind, double *K, int *row);
 /* Adds step[columns] to the configuration. False where the number can't have the value; the state is then unchanged. */
 bool km_driver_surface_move(km_driver_surface *f, const double *step);
 void km_driver_surface_save(const km_driver_surface *f, double *saved);
@@ -81,7 +84,7 @@ void km_driver_surface_restore(km_driver_surface *f, const double *saved);
 double km_driver_surface_difference(const km_driver_surface *f, const double *saved, double *step);
 /* Value of a control in the model's unit. */
 double km_driver_surface_value(const km_driver_surface *f, int control);
-/* Least distance to the ends of the controls' ranges, and of the joints' limits if they are kept; negative outside. The
+/* Least distance to the ends of the controls' ranges but full turns, and of the joints' limits if they are kept; negative outside. The
  * column `except` doesn't count; −1: all do. */
 double km_driver_surface_margin(const km_driver_surface *f, int except);
 /* True if a coordinate of the parts exceeds its limits. */

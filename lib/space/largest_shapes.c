@@ -11,9 +11,10 @@
 enum { CHORDS = 4 /* of a segment */, RASTER = 100, MOST_SQUARES = 20000, ROUNDS = 4 };
 static const double accuracy = 1e-6; /* of the radius, by the extent */
 
-typedef struct square {
+/* A square of the plane. */
+typedef struct plane_square {
   double centre[2], half, bound;
-} square;
+} plane_square;
 
 /* Place of a segment at chord point k, 0 to CHORDS. */
 static void chord_point(const km_outline_segment *s, int k, double *place) {
@@ -22,33 +23,41 @@ static void chord_point(const km_outline_segment *s, int k, double *place) {
   place[1] = s->y[0] + u * (s->y[1] + u * (s->y[2] + u * s->y[3]));
 }
 
-static double distance_to_chord(const double *a, const double *b, const double *p) {
-  double dx = b[0] - a[0], dy = b[1] - a[1], length_squared = dx * dx + dy * dy;
-  double u = length_squared > 0.0 ? ((p[0] - a[0]) * dx + (p[1] - a[1]) * dy) / length_squared : 0.0;
-  u = fmin(fmax(u, 0.0), 1.0);
-  return hypot(p[0] - a[0] - u * dx, p[1] - a[1] - u * dy);
+static double square(double x) {
+  return x * x;
 }
 
-/* Distance of a place from the curves with a jump. */
-static double distance(const km_curve_net *net, const int *jump, const double *place) {
+/* Square of the distance from a chord. */
+static double square_to_chord(const double *a, const double *b, const double *p) {
+  double dx = b[0] - a[0], dy = b[1] - a[1], length = dx * dx + dy * dy;
+  double u = length > 0.0 ? ((p[0] - a[0]) * dx + (p[1] - a[1]) * dy) / length : 0.0;
+  u = u < 0.0 ? 0.0 : u > 1.0 ? 1.0 : u;
+  return square(p[0] - a[0] - u * dx) + square(p[1] - a[1] - u * dy);
+}
+
+/* Square of the distance from a segment's box. */
+static double square_to_box(const km_outline_segment *s, const double *p) {
+  double sum = 0.0;
+  for (int d = 0; d < 2; ++d)
+    sum += p[d] < s->low[d] ? square(s->low[d] - p[d]) : p[d] > s->high[d] ? square(p[d] - s->high[d]) : 0.0;
+  return sum;
+}
+
+double km_curve_net_distance(const km_curve_net *net, const int *jump, const double *place) {
   double least = HUGE_VAL;
   for (int i = 0; i < net->segment_count; ++i) {
     const km_outline_segment *s = &net->segments[i];
-    double beyond[2], a[2], b[2];
-    if (!jump[s->piece])
-      continue;
-    for (int d = 0; d < 2; ++d)
-      beyond[d] = fmax(fmax(s->low[d] - place[d], place[d] - s->high[d]), 0.0);
-    if (beyond[0] >= least || beyond[1] >= least)
+    double a[2], b[2];
+    if (!jump[s->piece] || square_to_box(s, place) >= least)
       continue;
     chord_point(s, 0, a);
     for (int k = 1; k <= CHORDS; ++k) {
       chord_point(s, k, b);
-      least = fmin(least, distance_to_chord(a, b, place));
+      least = fmin(least, square_to_chord(a, b, place));
       memcpy(a, b, sizeof a);
     }
   }
-  return least;
+  return sqrt(least);
 }
 
 /* Extent of the curves with a jump. */
@@ -64,8 +73,8 @@ static bool extent(const km_curve_net *net, const int *jump, double *low, double
 }
 
 /* Bounds a square, and notes the circle around its centre if it is the largest so far. */
-static void visit(const km_curve_net *net, const int *jump, square *s, double *centre, double *radius) {
-  double d = distance(net, jump, s->centre);
+static void visit(const km_curve_net *net, const int *jump, plane_square *s, double *centre, double *radius) {
+  double d = km_curve_net_distance(net, jump, s->centre);
   bool is_inside = km_curve_net_count(net, jump, s->centre) > 0;
   s->bound = (is_inside ? d : -d) + sqrt(2.0) * s->half;
   if (!is_inside || d <= *radius)
@@ -76,21 +85,21 @@ static void visit(const km_curve_net *net, const int *jump, square *s, double *c
 
 void km_largest_circle(const km_curve_net *net, const int *jump, double *centre, double *radius) {
   static const int side[4][2] = {{-1, -1}, {1, -1}, {-1, 1}, {1, 1}};
-  square stack[256];
+  plane_square stack[256];
   double low[2], high[2];
   int count = 0;
   *radius = 0.0;
   if (!extent(net, jump, low, high))
     return;
-  stack[count] = (square){.centre = {0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])},
-                          .half = 0.5 * fmax(high[0] - low[0], high[1] - low[1])};
+  stack[count] = (plane_square){.centre = {0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])},
+                                .half = 0.5 * fmax(high[0] - low[0], high[1] - low[1])};
   visit(net, jump, &stack[count++], centre, radius);
   for (int visited = 0; count > 0 && visited < MOST_SQUARES;) {
-    square s = stack[--count];
+    plane_square s = stack[--count];
     if (s.bound <= *radius + accuracy * net->size)
       continue;
     for (int k = 0; k < 4; ++k, ++visited) {
-      square part = {.half = 0.5 * s.half};
+      plane_square part = {.half = 0.5 * s.half};
       for (int d = 0; d < 2; ++d)
         part.centre[d] = s.centre[d] + side[k][d] * part.half;
       visit(net, jump, &part, centre, radius);

@@ -9,6 +9,8 @@
 
 #include <string.h>
 
+static const double singular = 1e-9; /* |det D| of a grid point on an output curve, over the squares of D */
+
 static bool add_coordinate(const km_mechanism *m, km_table *table, int c) {
   return km_table_add_joined_column(table, "q.", m->model->coordinates[c].label, "",
                                     km_model_coordinate_unit(m->model, c));
@@ -101,7 +103,7 @@ static int write_output(km_map_search *g, const double *N, double *row, int *sig
   double root = sqrt(fmax(squares * squares - 4.0 * determinant * determinant, 0.0));
   row[3] = squares > 0.0 ? fabs(determinant) / sqrt(0.5 * (squares + root)) : 0.0;
   row[4] = fabs(determinant);
-  *sign = determinant < 0.0 ? -1 : 1;
+  *sign = fabs(determinant) <= singular * squares ? 0 : determinant < 0.0 ? -1 : 1;
   return 5;
 }
 

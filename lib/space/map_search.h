@@ -16,16 +16,20 @@ typedef struct km_map_search {
   km_driver_surface f;
   const km_space_map_def *def;
   km_arena arena;
-  int across, down;                  /* grid points along both drivers */
-  double *before;                    /* [3 · columns] start of a step */
-  double *saved, *N;                 /* [cell][3 · columns], [cell][2 · columns] */
-  signed char *sign;                 /* [cell] of det A; 0: not reached */
+  int across, down;               /* grid points along both drivers */
+  double *before;                 /* [3 · columns] start of a step */
+  double *saved, *N;              /* [cell][3 · columns], [cell][2 · columns] */
+  signed char *sign;              /* [cell] of det A; 0: not reached */
   km_known_configuration **known; /* [cell] those of all sheets, the present one first */
   int *queue;
-  signed char *output_sign; /* [cell] of det D; 0: no point */
+  signed char *output_sign; /* [cell] of det D; 0: no point, or on a curve */
   double *rows;             /* [cell × columns of the table] of the present sheet */
   bool *is_written;         /* [cell] it has a row */
   int *aspect;              /* [cell] its aspect; 0: none yet */
+  int kept_sign;            /* of det (J; G), which steps keep; 0: they needn't */
+  double *edge_N;           /* [2 · columns] workspace */
+  double *K;                /* [columns²] workspace */
+  int *row;                 /* [columns] workspace */
   int aspect_count;         /* aspects of all sheets so far */
   double curve_reach;       /* largest distance of a curve from the grid point that leads to it */
   bool is_ended;            /* the caller's figures end the map */

@@ -8,9 +8,13 @@
 #include <math.h>
 #include <string.h>
 
-static const double side_distance = 1e-6; /* from a part to its sides, of the extent: curves agree to 1e-9 */
-static const double same_end = 2e-5;      /* distance of ends of parts that join, of the extent */
-static const double coincident = 1e-7;    /* distance of curves that are one, of the extent */
+static const double side_distance = 1e-7;       /* from a part to its sides, of the extent: curves agree to 1e-8 */
+static const double least_side_distance = 9e-9; /* where another curve is as near: it differs by more than a copy */
+static const double least_length = 1e-6;        /* shorter parts are between a crossing and an end that are one */
+static const double same_end =
+    1e-4; /* distance of ends of parts that join, of the extent: thinner wedges between curves are lost */
+static const double most_gap = 0.02;   /* longest one that a straight line closes, of the extent */
+static const double coincident = 3e-8; /* distance of curves that are one, of the extent */
 
 /* Unit vector along a part's middle, and its place. False where the curve has no direction. */
 static bool middle_of(const km_curve_net *net, const km_outline_part *part, double *place, double *along) {
@@ -48,15 +52,32 @@ static bool is_earlier(const km_curve_net *net, const int *jump, int piece, cons
   return false;
 }
 
+/* N on both sides of a place. Where it doesn't differ by the jump, another curve is nearer than the sides: they are
+ * taken nearer too, unless that curve is the same one. */
+static void count_sides(const km_curve_net *net, const int *jump, int piece, const double *place, const double *along,
+                        int *left, int *right) {
+  for (double e = side_distance; e >= least_side_distance; e *= 0.1) {
+    double x = e * net->size * along[0], y = e * net->size * along[1];
+    int at_left = km_curve_net_count(net, jump, (const double[]){place[0] - y, place[1] + x});
+    int at_right = km_curve_net_count(net, jump, (const double[]){place[0] + y, place[1] - x});
+    bool is_exact = at_left - at_right == jump[piece];
+    if (is_exact || e == side_distance) {
+      *left = at_left;
+      *right = at_right;
+    }
+    if (is_exact)
+      return;
+  }
+}
+
 /* Turns the part so that the region is on its left. False: it isn't on the outline. */
 static bool is_on_outline(const km_curve_net *net, const int *jump, km_outline_part *part) {
   double place[2], along[2];
   if (!jump[part->piece] || !middle_of(net, part, place, along))
     return false;
-  double e = side_distance * net->size;
-  const double left[2] = {place[0] - e * along[1], place[1] + e * along[0]},
-               right[2] = {place[0] + e * along[1], place[1] - e * along[0]};
-  bool has_left = km_curve_net_count(net, jump, left) > 0, has_right = km_curve_net_count(net, jump, right) > 0;
+  int left = 0, right = 0;
+  count_sides(net, jump, part->piece, place, along, &left, &right);
+  bool has_left = left > 0, has_right = right > 0;
   if (has_left == has_right || is_earlier(net, jump, part->piece, place))
     return false;
   if (has_right) {
@@ -74,7 +95,7 @@ static bool is_short(const km_curve_net *net, const km_outline_part *part) {
   km_curve_net_place(net, part->piece, part->to, to, rate);
   km_curve_net_place(net, part->piece, 0.5 * (part->from + part->to), middle, rate);
   return hypot(middle[0] - from[0], middle[1] - from[1]) + hypot(to[0] - middle[0], to[1] - middle[1]) <
-         4.0 * side_distance * net->size;
+         least_length * net->size;
 }
 
 static void end_of(const km_curve_net *net, const km_outline_part *part, bool is_start, double *place, double *along) {
@@ -84,23 +105,26 @@ static void end_of(const km_curve_net *net, const km_outline_part *part, bool is
   along[1] *= sense;
 }
 
-/* The part that continues another: among those that begin at its end the leftmost one; −1: none. */
+/* The part that continues another: among those that begin at its end the leftmost one, else the one that begins
+ * nearest; −1: none. *gap: distance of its start, 0 in the first case. */
 static int successor(const km_curve_net *net, const km_outline_part *parts, int count, const km_outline_part *part,
-                     int first) {
+                     int first, double *gap) {
   double end[2], along[2], start[2], next[2], largest = -HUGE_VAL;
   int best = -1;
+  *gap = most_gap * net->size;
   end_of(net, part, false, end, along);
   for (int i = 0; i < count; ++i) {
     if (parts[i].loop != 0 && i != first)
       continue;
     end_of(net, &parts[i], true, start, next);
-    if (hypot(start[0] - end[0], start[1] - end[1]) > same_end * net->size)
-      continue;
+    double distance = hypot(start[0] - end[0], start[1] - end[1]);
+    bool is_same = distance <= same_end * net->size;
     double turn = atan2(along[0] * next[1] - along[1] * next[0], along[0] * next[0] + along[1] * next[1]);
-    if (turn > largest) {
-      largest = turn;
-      best = i;
-    }
+    if (is_same ? turn <= largest : distance >= *gap)
+      continue;
+    *gap = is_same ? 0.0 : distance;
+    largest = is_same ? turn : largest;
+    best = i;
   }
   return best;
 }
@@ -122,22 +146,30 @@ static double area_of(const km_curve_net *net, const km_outline_part *part) {
   return part->to > part->from ? sum : -sum;
 }
 
+/* ∫ x dy along the straight line from the end of a part to the start of the next. */
+static double area_of_gap(const km_curve_net *net, const km_outline_part *part, const km_outline_part *next) {
+  double end[2], start[2], along[2];
+  end_of(net, part, false, end, along);
+  end_of(net, next, true, start, along);
+  return 0.5 * (end[0] + start[0]) * (start[1] - end[1]);
+}
+
 /* Joins the parts to loops, in whose order `out` has them. */
 static void join(const km_curve_net *net, km_outline_part *parts, int count, km_outline *out) {
-  out->is_closed = true;
   for (int first = 0; first < count; ++first) {
     if (parts[first].loop != 0)
       continue;
-    double area = 0.0;
-    int at = first;
+    double area = 0.0, gap;
+    int at = first, next;
     ++out->loop_count;
     do {
       parts[at].loop = out->loop_count;
-      area += area_of(net, &parts[at]);
       out->parts[out->part_count++] = parts[at];
-      at = successor(net, parts, count, &parts[at], first);
+      next = successor(net, parts, count, &parts[at], first, &gap);
+      area += area_of(net, &parts[at]) + (next >= 0 ? area_of_gap(net, &parts[at], &parts[next]) : 0.0);
+      out->gap = fmax(out->gap, next >= 0 ? gap : HUGE_VAL);
+      at = next;
     } while (at >= 0 && at != first);
-    out->is_closed = out->is_closed && at == first;
     out->hole_count += area < 0.0;
     out->area += area;
   }

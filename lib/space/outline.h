@@ -53,8 +53,8 @@ typedef struct km_outline_part {
 typedef struct km_outline {
   km_outline_part *parts; /* [part_count] loop by loop */
   int part_count, loop_count, hole_count;
-  double area;
-  bool is_closed; /* all loops close: else a curve is missing, and the area isn't known */
+  double area; /* gaps closed by straight lines */
+  double gap;  /* longest gap, where a curve is missing; 0: none; infinity: a loop doesn't close */
 } km_outline;
 
 /* Cuts the curves. False when out of memory. O(segments²) at worst. */
@@ -64,6 +64,8 @@ bool km_curve_net_create(km_curve_net *net, const km_outline_point *points, cons
 void km_curve_net_place(const km_curve_net *net, int piece, double at, double *place, double *rate);
 /* N(p) with jump[piece], what N is on the left of the curve more than on its right. O(segments). */
 int km_curve_net_count(const km_curve_net *net, const int *jump, const double *place);
+/* Distance of a place from the curves with a jump, to 1e-6 of the extent. O(segments). */
+double km_curve_net_distance(const km_curve_net *net, const int *jump, const double *place);
 /* Finds the outline of N > 0. False when out of memory. O(parts · segments). */
 bool km_outline_find(const km_curve_net *net, const int *jump, km_arena *arena, km_outline *out);
 /* Largest circle in N > 0 that no curve with a jump meets; radius 0: none. O(segments · log). */

@@ -16,6 +16,7 @@ enum {
 };
 static const double most_correction = 0.3;   /* first correction over the predicted step */
 static const double shortest_part = 1e-3;    /* shortest step, a part of the way between grid points */
+static const double kept_step = 0.25;        /* longest one where the sign of det (J; G) is kept */
 static const double leaving_distance = 0.05; /* distance of a start from its singularity curve */
 static const double same_turn = 1e-6; /* difference of angles and configurations that are one but for full turns */
 static const double least_correction = 1e-9; /* corrections below this are rounding */
@@ -50,19 +51,21 @@ static bool advance(km_map_search *g, const double *target, const double *N, int
     largest = fmax(largest, fabs(f->step[k]));
   }
   km_driver_surface_move(f, f->step);
-  return close_cell(g, largest, &reached) && reached == sign;
+  return close_cell(g, largest, &reached) && reached == sign &&
+         (g->kept_sign == 0 || km_driver_surface_sign(f, KM_CURVE_OUTPUT, g->K, g->row) == g->kept_sign) &&
+         km_driver_surface_factor(f, &reached);
 }
 
 /* Moves to a grid point from the configuration g->before with tangents N; a rejected step is halved. */
 static bool move_to(km_map_search *g, const double *target, double *N, int sign) {
   km_driver_surface *f = &g->f;
-  double left = 1.0, step = 1.0; /* parts of the whole way */
+  double left = 1.0, step = g->kept_sign ? kept_step : 1.0; /* parts of the whole step */
   while (left > 0.0) {
     km_driver_surface_restore(f, g->before);
     step = fmin(step, left);
     if (advance(g, target, N, sign, step / left)) {
       left = step == left ? 0.0 : left - step;
-      step *= 2.0;
+      step = g->kept_sign ? fmin(2.0 * step, kept_step) : 2.0 * step;
       if (left > 0.0) {
         km_driver_surface_save(f, g->before);
         km_driver_surface_rates(&g->f, N);
@@ -106,6 +109,31 @@ static int across_seam(km_map_search *g, int cell, int axis) {
                                                                                                                : -1;
 }
 
+/* True if a cell beside this one, also across a corner, has another sign of det D. */
+static bool is_beside_curve(const km_map_search *g, int cell) {
+  for (int k = 0; k < 9; ++k) {
+    int i = cell % g->across + k % 3 - 1, j = cell / g->across + k / 3 - 1, other = j * g->across + i;
+    if (i >= 0 && j >= 0 && i < g->across && j < g->down && g->sign[other] &&
+        g->output_sign[other] != g->output_sign[cell])
+      return true;
+  }
+  return false;
+}
+
+/* True if the step between two neighbours keeps the sign of det D. Beside curves it is followed: two of them may cross
+ * it, where they cross each other. */
+static bool is_one_aspect(km_map_search *g, int cell, int next) {
+  if (!g->is_written[next] || g->output_sign[next] != g->output_sign[cell])
+    return false;
+  if (g->f.frame < 0 || (!is_beside_curve(g, cell) && !is_beside_curve(g, next)))
+    return true;
+  km_driver_surface_restore(&g->f, g->saved + (size_t)cell * g->f.saved_size);
+  g->kept_sign = km_driver_surface_sign(&g->f, KM_CURVE_OUTPUT, g->K, g->row);
+  bool is_kept = reach(g, cell, next, g->edge_N);
+  g->kept_sign = 0;
+  return is_kept;
+}
+
 /* Numbers the aspect of a cell: all cells that steps of the grid connect without a singularity of the drivers or of the
  * output. `stack`[cell] is workspace. */
 static void number_aspect(km_map_search *g, int first, int *stack) {
@@ -117,8 +145,7 @@ static void number_aspect(km_map_search *g, int first, int *stack) {
     int cell = stack[--size];
     for (int k = 0; k < 4; ++k) {
       int i = cell % g->across + side[k][0], j = cell / g->across + side[k][1], next = j * g->across + i;
-      if (i < 0 || j < 0 || i >= g->across || j >= g->down || !g->is_written[next] || g->aspect[next] ||
-          g->output_sign[next] != g->output_sign[cell])
+      if (i < 0 || j < 0 || i >= g->across || j >= g->down || g->aspect[next] || !is_one_aspect(g, cell, next))
         continue;
       g->aspect[next] = g->aspect_count;
       stack[size++] = next;
@@ -141,7 +168,8 @@ static bool write_sheet(km_map_search *g, int count) {
     int cell = g->queue[i];
     if (!g->is_written[cell])
       continue;
-    if (!g->aspect[cell])
+    bool is_singular = g->f.frame >= 0 && g->output_sign[cell] == 0;
+    if (!g->aspect[cell] && !is_singular)
       number_aspect(g, cell, g->queue + count);
     double *row = km_table_add_row(g->out->cells);
     if (!row)
@@ -206,7 +234,8 @@ int km_map_enter_grid(km_map_search *g, int *sign, double *N) {
 
 /* Visits the four neighbours of a cell. `*is_edge`: one of them isn't reached. `*is_turned`: det D has another sign
  * there. */
-static bool visit_neighbours(km_map_search *g, int sheet, int cell, double *N, int *tail, bool *is_edge, bool *is_turned) {
+static bool visit_neighbours(km_map_search *g, int sheet, int cell, double *N, int *tail, bool *is_edge,
+                             bool *is_turned) {
   const int side[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
   for (int k = 0; k < 4; ++k) {
     int i = cell % g->across + side[k][0], j = cell / g->across + side[k][1], next = j * g->across + i;
@@ -216,7 +245,7 @@ static bool visit_neighbours(km_map_search *g, int sheet, int cell, double *N, i
       *is_edge = true;
     else if (!g->sign[next] && !km_map_find_known(g, next) && !record(g, sheet, next, g->sign[cell], tail))
       return false;
-    *is_turned = *is_turned || (g->sign[next] && g->output_sign[cell] * g->output_sign[next] < 0);
+    *is_turned = *is_turned || (g->sign[next] && g->output_sign[cell] != g->output_sign[next]);
   }
   return true;
 }
@@ -331,6 +360,8 @@ static km_status prepare(km_map_search *g, km_error *error) {
     f->low[d] = fmin(def->axis[d].from, def->axis[d].to);
     f->high[d] = fmax(def->axis[d].from, def->axis[d].to);
   }
+  for (int d = 0; d < 2; ++d)
+    f->is_full_turn[d] = !axis_ends(g, d);
   f->keeps_limits = def->within_limits;
   km_status status = km_driver_surface_create(
       f, drivers, 2, "two freedoms and no redundant conditions (more freedoms: hold joints)", &g->arena, error);
@@ -348,6 +379,9 @@ static km_status prepare(km_map_search *g, km_error *error) {
   g->output_sign = KM_ARENA_NEW(&g->arena, signed char, cells);
   g->queue = KM_ARENA_NEW(&g->arena, int, 2 * cells); /* and the stack of number_aspect */
   g->before = KM_ARENA_NEW(&g->arena, double, f->saved_size);
+  g->edge_N = KM_ARENA_NEW(&g->arena, double, 2 * (size_t)f->columns);
+  g->K = KM_ARENA_NEW(&g->arena, double, (size_t)f->columns *(size_t)f->columns);
+  g->row = KM_ARENA_NEW(&g->arena, int, (size_t)f->columns);
   if (g->arena.failed)
     return no_memory(error);
   g->out->cells = km_table_create();

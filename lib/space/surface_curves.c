@@ -26,7 +26,7 @@ static const double longest_step = 0.02; /* step of (q, z) */
 static const double shortest_step = 1e-7;
 static const double converged = 3e-7;          /* last correction: the one after it, about its square, is rounding */
 static const double longest_correction = 0.02; /* a longer one, of (q, z), leads to another curve */
-static const double beside_branch = 1e-6;       /* part of a step: at the branch itself M is singular */
+static const double beside_branch = 1e-6;      /* part of a step: at the branch itself M is singular */
 static const double longest_start_step = 1.0;  /* step to a curve: radians, sizes, ranges of the number */
 
 /* Functions whose roots are located along a curve. */
@@ -48,16 +48,16 @@ struct km_surface_curves {
   km_driver_surface *f;
   km_table *table;
   km_arena arena;
-  int count, order;  /* order of K */
-  km_surface_curve of; /* what the present curve is */
-  int vector;          /* length of z: order, 0 of a limit */
-  int unknowns;        /* columns + vector */
-  int watched;         /* function whose root is located */
-  double determinant;  /* det M at the last tangent */
-  double *M, *R, *x, *c;      /* [unknowns²], [unknowns], [unknowns], [order] */
-  double *K, *forward;        /* [order²] K, and K of a forward difference */
-  double *e, *number_column;  /* [rows] e of a forward difference, ∂e by the number */
-  double *z, *t;              /* null vector and tangent of the present configuration */
+  int count, order;          /* order of K */
+  km_surface_curve of;       /* what the present curve is */
+  int vector;                /* length of z: order, 0 of a limit */
+  int unknowns;              /* columns + vector */
+  int watched;               /* function whose root is located */
+  double determinant;        /* det M at the last tangent */
+  double *M, *R, *x, *c;     /* [unknowns²], [unknowns], [unknowns], [order] */
+  double *K, *forward;       /* [order²] K, and K of a forward difference */
+  double *e, *number_column; /* [rows] e of a forward difference, ∂e by the number */
+  double *z, *t;             /* null vector and tangent of the present configuration */
   curve_point from, start;
   int *row;
   km_curve_point *points; /* [point_count] of all curves; those of the present one as they were found */
@@ -306,6 +306,11 @@ static bool note_row(km_surface_curves *v, km_turning_kind critical) {
     *row++ = critical;
   for (int c = 0; c < f->m->coordinate_count; ++c)
     row[c] = km_state_value(f->s, c);
+  for (int d = 0; d < 2; ++d) /* a full turn's value within the range */
+    if (f->is_full_turn[d]) {
+      double *value = &row[km_driver_surface_coordinate(f, f->control[d])], turn = f->high[d] - f->low[d];
+      *value -= turn * floor((*value - f->low[d]) / turn);
+    }
   if (f->frame >= 0) {
     km_poses_compute(f->m, f->s);
     km_frame_position(f->m, f->s, f->frame, row + f->m->coordinate_count);
@@ -555,8 +560,8 @@ bool km_surface_curves_add(km_surface_curves *v, const km_surface_curve *of, con
   km_driver_surface *f = v->f;
   choose(v, of);
   km_driver_surface_restore(f, saved);
-  if (is_known(v, reach + longest_step) || !move_to_curve(v) ||
-      function_value(v, MARGIN) < 0.0 || is_known(v, 1.5 * longest_step))
+  if (is_known(v, reach + longest_step) || !move_to_curve(v) || function_value(v, MARGIN) < 0.0 ||
+      is_known(v, 1.5 * longest_step))
     return true;
   ++v->count;
   v->row_count = 0;
@@ -570,8 +575,7 @@ bool km_surface_curves_add(km_surface_curves *v, const km_surface_curve *of, con
   restore_point(v, &v->start);
   for (int i = 0; i < v->unknowns; ++i)
     v->t[i] = -v->t[i];
-  return follow(v, &is_closed) && write_points(v, first - 1, (size_t)-1, -1) &&
-         write_points(v, first, v->row_count, 1);
+  return follow(v, &is_closed) && write_points(v, first - 1, (size_t)-1, -1) && write_points(v, first, v->row_count, 1);
 }
 
 bool km_surface_curves_leave(km_surface_curves *v, size_t i, double distance, bool *is_point) {

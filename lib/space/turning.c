@@ -189,7 +189,8 @@ static km_status add_curves(turning_search *g, km_error *error) {
   driver_swing swing;
   km_status status = follow_circuit(g, &swing, error);
   for (int i = 0; !status && i < g->start_count; ++i)
-    if (!km_surface_curves_add(g->curves, &(km_surface_curve){.kind = KM_CURVE_INPUT}, g->starts + (size_t)i * g->f.saved_size, 0.0))
+    if (!km_surface_curves_add(g->curves, &(km_surface_curve){.kind = KM_CURVE_INPUT},
+                               g->starts + (size_t)i * g->f.saved_size, 0.0))
       status = km_fail(error, KM_MEMORY, "out of memory for the curves of dead points");
   km_driver_surface_restore(&g->f, g->place);
   return status;

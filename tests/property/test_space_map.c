@@ -5,6 +5,8 @@
 #include "kmech/space.h"
 #include "model/model.h"
 
+enum { WORKSPACES = 12 };
+
 /* A five-bar: cranks of lengths a and d on the pins (0, 0) and (1, 0), rods of lengths b and c between their ends and
  * the point P. Joints A, E: cranks; B, D: their ends; C: P. */
 typedef struct five_bar {
@@ -217,6 +219,141 @@ static void cranks_and_rods_are_in_line_where_the_output_is_singular(void **stat
   assert_true(points > 500);
 }
 
+/* Number of inverse solutions with both cranks in their ranges low … high, from the drawn pose. */
+static int solutions(const five_bar *b, double low[2], double high[2], double x, double y) {
+  int product = 1;
+  for (int k = 0; k < 2; ++k) {
+    double cx = b->crank[k][0] - k, cy = b->crank[k][1], crank = hypot(cx, cy), distance = hypot(x - k, y);
+    double rod = hypot(b->P[0] - b->crank[k][0], b->P[1] - b->crank[k][1]);
+    double cosine = (crank * crank + distance * distance - rod * rod) / (2.0 * crank * distance);
+    int count = 0;
+    for (int elbow = -1; elbow <= 1 && fabs(cosine) < 1.0; elbow += 2) {
+      double angle = atan2(y, x - k) + elbow * acos(cosine) - atan2(cy, cx);
+      angle = low[k] + fmod(angle - low[k] + 8.0 * M_PI, 2.0 * M_PI);
+      count += angle <= high[k];
+    }
+    product *= count;
+  }
+  return product;
+}
+
+/* ∫ [N > 0] and ∫ N over the plane, N the number of inverse solutions: along lines of constant y, on which the changes
+ * of N are bisected. */
+static void integrate(const five_bar *b, double low[2], double high[2], double *area, double *sum) {
+  enum { LINES = 240, POINTS = 500 };
+  const double extent = 3.0, h = 2.0 * extent / LINES, step = 2.0 * extent / POINTS;
+  *area = *sum = 0.0;
+  for (int i = 0; i < LINES; ++i) {
+    double y = -extent + (i + 0.5) * h;
+    for (int j = 0; j < POINTS; ++j) {
+      double from = -extent + j * step + 1e-3, to = from + step, middle = from;
+      int first = solutions(b, low, high, from, y), last = solutions(b, low, high, to, y);
+      double a = from, c = to;
+      for (int k = 0; first != last && k < 40; ++k) {
+        middle = 0.5 * (a + c);
+        if (solutions(b, low, high, middle, y) == first)
+          a = middle;
+        else
+          c = middle;
+      }
+      double part = first == last ? step : a - from;
+      *area += h * ((first > 0) * part + (last > 0) * (step - part));
+      *sum += h * (first * part + last * (step - part));
+    }
+  }
+}
+
+/* Every row of the outline is on a circle about a pin where a crank and its rod are in line, or on one about the end of
+ * a crank at an end of its range; each loop closes. */
+static void check_outline(const five_bar *b, double low[2], double high[2], const km_space_map *map) {
+  const km_table *t = map->boundary;
+  size_t first = 0;
+  for (size_t i = 0; i < km_table_rows(t); ++i) {
+    double x = cell(t, i, "point.P.x"), y = cell(t, i, "point.P.y"), least = HUGE_VAL;
+    bool is_limit = cell(t, i, "kind") == KM_CURVE_LIMIT;
+    assert_true(is_limit || cell(t, i, "kind") == KM_CURVE_OUTPUT);
+    for (int k = 0; k < 2; ++k) {
+      double crank = hypot(b->crank[k][0] - k, b->crank[k][1]);
+      double rod = hypot(b->P[0] - b->crank[k][0], b->P[1] - b->crank[k][1]);
+      for (int side = 0; side < 2; ++side) {
+        double end[2][2], angle = side ? high[k] : low[k];
+        ends(b, angle, angle, end);
+        double off = is_limit ? hypot(x - end[k][0], y - end[k][1]) - rod
+                              : hypot(x - k, y) - (side ? crank + rod : fabs(crank - rod));
+        least = fmin(least, fabs(off));
+      }
+    }
+    assert_at_most(least, 1e-8);
+    if (i > 0 && cell(t, i, "loop") != cell(t, i - 1, "loop"))
+      first = i;
+    if (i + 1 == km_table_rows(t) || cell(t, i + 1, "loop") != cell(t, i, "loop"))
+      assert_at_most(hypot(x - cell(t, first, "point.P.x"), y - cell(t, first, "point.P.y")), fmax(map->gap, 1e-3));
+  }
+}
+
+static int count_cells(const km_table *cells, int aspect) {
+  int count = 0;
+  for (size_t k = 0; k < km_table_rows(cells); ++k)
+    count += cell(cells, k, "aspect") == aspect;
+  return count;
+}
+
+/* The workspace is where there is an inverse solution; its aspects have one each. Circles and rectangles are within. */
+static void workspace_has_inverse_solutions(void **state) {
+  (void)state;
+  uint64_t random = 77;
+  int narrow = 0; /* mechanisms of which two aspects are nearer to each other than grid points */
+  for (int trial = 0; trial < WORKSPACES; ++trial) {
+    five_bar b = random_five_bar(&random);
+    fixture f = build(&b);
+    const char *const path[] = {"b2", "P"};
+    double low[2], high[2];
+    for (int k = 0; k < 2; ++k) {
+      bool is_turn = km_uniform(&random) < -0.4;
+      low[k] = is_turn ? -M_PI : -1.4 + 0.9 * km_uniform(&random);
+      high[k] = is_turn ? M_PI : 1.4 + 0.9 * km_uniform(&random);
+    }
+    km_space_map_def def = {
+        .axis = {{coordinate(&f, "A"), low[0], high[0], 60}, {coordinate(&f, "E"), low[1], high[1], 60}},
+        .has_point = true,
+        .point_name = "P"};
+    assert_int_equal(km_model_find_frame(f.model, path, 2, &def.frame, NULL), KM_OK);
+    km_all_modes modes;
+    km_space_map map;
+    assert_int_equal(km_map_modes_find(f.mechanism, f.state, def.axis[0].coordinate, def.axis[1].coordinate, 1, NULL,
+                                       NULL, &modes, NULL),
+                     KM_OK);
+    assert_int_equal(km_space_map_compute(f.mechanism, f.state, &def, &modes, NULL, NULL, &map, NULL), KM_OK);
+    double area, sum, aspects = 0.0;
+    integrate(&b, low, high, &area, &sum);
+    for (int i = 0; i < map.workspace_count; ++i) {
+      const km_aspect_workspace *at = &map.workspaces[i];
+      assert_true(isfinite(at->area) || count_cells(map.cells, at->aspect) < 20); /* too narrow for the grid */
+      aspects += isfinite(at->area) ? at->area : 0.0;
+      for (int k = 0; k < 64; ++k) { /* chords are 1e-6 of the extent beside the curves */
+        double r = at->radius - 1e-5, u = (k % 16) / 16.0 - 0.5, v = k < 32 ? 0.5 : -0.5;
+        double x = at->rectangle[0] + (k & 16 ? u : v) * (at->width - 1e-5),
+               y = at->rectangle[1] + (k & 16 ? v : u) * (at->height - 1e-5);
+        if (r > 0.0)
+          assert_true(solutions(&b, low, high, at->circle[0] + r * cos(0.1 * k), at->circle[1] + r * sin(0.1 * k)) > 0);
+        if (fmin(at->width, at->height) > 1e-5)
+          assert_true(solutions(&b, low, high, x, y) > 0);
+      }
+    }
+    check_outline(&b, low, high, &map);
+    assert_int_equal(map.unbounded, 0);
+    assert_near(map.workspace_area, area, 1e-2);
+    print_message("T %d %g %g gap %g un %d\n", trial, aspects, sum, map.gap, map.unbounded);
+    for (int i = 0; i < map.workspace_count; ++i)
+      if (fabs(aspects - sum) > .01)
+        print_message(" %d: %g cells %d\n", i + 1, map.workspaces[i].area, count_cells(map.cells, i + 1));
+    km_space_map_free(&map);
+    km_all_modes_free(&modes);
+    fixture_close(&f);
+  }
+  assert_true(narrow <= 1);
+}
+
 /* Drivers of different parts: an arm of two hinges in no loop, whose second link carries a four-bar that a crank
  * drives. The end of the arm moves as l1 l2 sin q2, and the four-bar on its own. */
 static void drivers_of_different_parts(void **state) {
@@ -251,9 +388,14 @@ static void drivers_of_different_parts(void **state) {
     for (size_t k = 0; k < km_table_rows(map.cells) && !pair; ++k)
       assert_near(cell(map.cells, k, "manipulability") * size * size, 0.7 * fabs(sin(cell(map.cells, k, "q.B"))),
                   1e-12);
-    for (size_t k = 0; k < km_table_rows(map.curves) && !pair; ++k)
-      assert_near(sin(cell(map.curves, k, "q.B")), 0.0, 1e-9);
-    assert_int_equal(map.curve_count, pair ? 0 : 1);
+    for (size_t k = 0; k < km_table_rows(map.curves); ++k) {
+      bool is_limit = cell(map.curves, k, "kind") == KM_CURVE_LIMIT;
+      assert_true(!pair);
+      assert_near(is_limit ? fmax(fabs(cell(map.curves, k, "q.A")), fabs(cell(map.curves, k, "q.B"))) - 3.0
+                           : sin(cell(map.curves, k, "q.B")),
+                  0.0, 1e-9);
+    }
+    assert_int_equal(map.curve_count, pair ? 0 : 5); /* with the four ends of the ranges */
     assert_int_equal(map.aspect_count, 2);
     km_space_map_free(&map);
     km_all_modes_free(&modes);
@@ -302,6 +444,8 @@ int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(cells_close_the_rods),
                                      cmocka_unit_test(rods_are_in_line_on_the_curves),
                                      cmocka_unit_test(cranks_and_rods_are_in_line_where_the_output_is_singular),
-                                     cmocka_unit_test(drivers_of_different_parts), cmocka_unit_test(refusals)};
+                                     cmocka_unit_test(workspace_has_inverse_solutions),
+                                     cmocka_unit_test(drivers_of_different_parts),
+                                     cmocka_unit_test(refusals)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -152,12 +152,15 @@ static void print_workspace(const options *o, const km_model *model, const km_sp
   else
     km_text_format(out, "workspace of %s: its outline isn't closed, so a curve is missing\n", o->point);
   if (circle)
-    km_text_format(out, "  largest circle without a singularity: radius %.6g %s around %.6g, %.6g, %.6g, in aspect %d\n",
+    km_text_format(out,
+                   "  largest circle without a singularity: radius %.6g %s around %.6g, %.6g, %.6g, in aspect %d\n",
                    circle->radius, length, circle->circle[0], circle->circle[1], circle->circle[2], circle->aspect);
   if (rectangle)
-    km_text_format(out, "  largest rectangle: %.6g by %.6g %s around %.6g, %.6g, %.6g, in aspect %d\n", rectangle->width,
-                   rectangle->height, length, rectangle->rectangle[0], rectangle->rectangle[1], rectangle->rectangle[2],
-                   rectangle->aspect);
+    km_text_format(out, "  largest rectangle: %.6g by %.6g %s around %.6g, %.6g, %.6g, in aspect %d\n",
+                   rectangle->width, rectangle->height, length, rectangle->rectangle[0], rectangle->rectangle[1],
+                   rectangle->rectangle[2], rectangle->aspect);
+  if (map->gap > 0.0 && isfinite(map->gap))
+    km_text_format(out, "  its outline has a gap of %.3g %s, closed by a straight line\n", map->gap, length);
   if (map->unbounded > 0)
     km_text_format(out, "  %d grid points lie outside the outline: a curve is missing\n", map->unbounded);
 }

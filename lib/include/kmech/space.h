@@ -161,30 +161,30 @@ typedef struct km_space_map_def {
 
 /* The places that the point reaches in an aspect, without a singularity. */
 typedef struct km_aspect_workspace {
-  int aspect;              /* its number in the cells */
-  double area;             /* area of these places; NaN: a curve that bounds them wasn't found */
-  double circle[3];        /* centre of the largest circle in them, model's unit, world frame */
-  double radius;           /* its radius, to 1e-5 of the extent; 0: none */
-  double rectangle[3];     /* centre of the largest rectangle in them, sides along the plane's axes */
-  double width, height;    /* its sides: in the plane z = const along x and y; 0: none */
+  int aspect;           /* its number in the cells */
+  double area;          /* area of these places; NaN: a curve that bounds them wasn't found */
+  double circle[3];     /* centre of the largest circle in them, model's unit, world frame */
+  double radius;        /* its radius, to 1e-5 of the extent; 0: none, or the outline has a gap */
+  double rectangle[3];  /* centre of the largest rectangle in them, sides along the plane's axes */
+  double width, height; /* its sides: in the plane z = const along x and y; 0: none */
 } km_aspect_workspace;
 
 /* A map. */
 typedef struct km_space_map {
-  km_table *cells; /* q. of both drivers, sheet (number of its mode), aspect, q. of the other coordinates, m. of every
+  km_table *cells;  /* q. of both drivers, sheet (number of its mode), aspect, q. of the other coordinates, m. of every
                      * coordinate, sigma.input, sigma.closure, with a point its x y z, sigma.output and manipulability,
                      * then the figures: a row for each grid point that a sheet reaches */
-  km_table
-      *curves;     /* curve (number), kind (km_curve_kind), q. of every coordinate, with a point its x y z: points
+  km_table *curves; /* curve (number), kind (km_curve_kind), q. of every coordinate, with a point its x y z: points
                      * of singularity curves from end to end, or around a closed curve to its first point */
-  int sheet_count; /* modes whose sheet has grid points */
+  int sheet_count;  /* modes whose sheet has grid points */
   int aspect_count; /* parts of the sheets that steps of the grid connect without a singularity of drivers or point */
   int curve_count;  /* number of curves */
-  km_table *boundary;  /* loop (number), kind (km_curve_kind), curve, x y z of the point: the outline of the workspace
+  km_table *boundary;    /* loop (number), kind (km_curve_kind), curve, x y z of the point: the outline of the workspace
                         * loop by loop, the workspace on the left; NULL: no point */
-  int hole_count; /* loops around places that can't be reached */
-  double workspace_area; /* area of the places that the point reaches; NaN: a loop isn't closed, so a curve is missing */
-  int unbounded;         /* grid points whose place lies outside the outline: 0 unless a curve is missing */
+  int hole_count;        /* loops around places that can't be reached */
+  double workspace_area; /* area of the places that the point reaches; NaN: an outline doesn't close */
+  double gap;    /* longest gap of the outline, where a curve is missing and a straight line closes it; 0: none */
+  int unbounded; /* grid points whose place lies outside the outline: 0 unless a curve is missing */
   km_aspect_workspace *workspaces; /* [workspace_count] by aspect */
   int workspace_count;             /* aspects; 0: no point */
 } km_space_map;

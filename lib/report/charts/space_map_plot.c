@@ -149,7 +149,8 @@ static void find_panels(map_picture *p) {
   for (int k = 0; k < count; ++k)
     parts[k].number = k + 1;
   for (size_t r = 0; r < km_table_rows(t); ++r)
-    ++parts[(int)km_table_row(t, r)[p->part] - 1].cells;
+    if (km_table_row(t, r)[p->part] > 0.0) /* an aspect's number is 0 on a singularity curve */
+      ++parts[(int)km_table_row(t, r)[p->part] - 1].cells;
   qsort(parts, (size_t)count, sizeof *parts, by_size);
   while (p->panels < MOST_PANELS && p->panels < count && parts[p->panels].cells > 0) {
     p->number[p->panels] = parts[p->panels].number;

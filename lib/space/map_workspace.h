@@ -1,0 +1,36 @@
+/* The workspace of a map's point while it is searched (docs/theory.md 4.22). */
+#ifndef KM_SPACE_MAP_WORKSPACE_H
+#define KM_SPACE_MAP_WORKSPACE_H
+
+#include "space/map_search.h"
+#include "space/outline.h"
+
+/* One side of a piece. */
+typedef struct km_piece_side {
+  int jump;     /* 1: on the left of the image, −1: on the right, 0: outside the ranges */
+  int aspect;   /* 0: not found */
+  int signs[2]; /* of det A and det (J; G) */
+} km_piece_side;
+
+typedef struct km_workspace_search {
+  km_map_search *g;
+  const km_curve_point *points;
+  size_t point_count;
+  km_outline_point *places;
+  km_outline_piece *pieces;
+  size_t *source;            /* [places] the curve's point */
+  km_piece_side (*sides)[2]; /* [piece] on the left and right of the curve, in the configurations */
+  int piece_count;
+  int *joined; /* [aspect of the grid] its number among those that are one */
+  km_curve_net net;
+  int *jump; /* [piece] workspace */
+  double *M, *nu, *b, *x, *K, *N;
+  int *row;
+  km_vec3 normal;
+  double height; /* of the plane along its normal */
+} km_workspace_search;
+
+/* Finds both sides of every piece. False when out of memory. */
+bool km_piece_sides_find(km_workspace_search *w);
+
+#endif
