@@ -2,7 +2,7 @@
  *
  *   locate : four configurations around the zero of the chord of g; root of the cubic through their values of g;
  *            configuration on the curve through them (node_curve.h)
- *   leave  : tangent = direction of the branch; the first step grows from 1e-3 to 0.25 until the freedom of the
+ *   leave  : tangent = direction of the branch; the first step grows from 1e-3 to 0.13 until the freedom of the
  *            branch is unambiguous */
 #include "continuation/arc_motion.h"
 #include "continuation/hermite_curve.h"
@@ -10,8 +10,6 @@
 #include "kinematics/loop_equations.h"
 
 #include <string.h>
-
-static const double longest_first = 0.25; /* longest first step on a branch, arc length */
 
 bool km_arc_motion_locate_branch(km_arc_motion *f, double length, double g_end) {
   const km_substructure *sub = km_arc_motion_sub(f);
@@ -32,7 +30,7 @@ bool km_arc_motion_locate_branch(km_arc_motion *f, double length, double g_end) 
   int worst;
   double residual = km_loops_residual(f->c.mechanism, f->c.state, sub, &worst);
   km_search_pivots(f->c.mechanism, f->c.state, f->c.substructure, KM_NO_DRIVER,
-                   fmax(1e-7, km_rank_tolerance(f->c.mechanism, sub, residual)));
+                   fmax(km_singular_pivot, km_rank_tolerance(f->c.mechanism, sub, residual)));
   /* The rank decides, since with redundant constraints g can vanish because the pivot rows alone become dependent. */
   int mobility = km_partition_freedom(&f->c.state->partition[f->c.substructure]);
   if (mobility > f->freedom) {
@@ -100,7 +98,7 @@ static int find_freedom_after(km_arc_motion *f, double h) {
 static int find_branch_freedom(km_arc_motion *f) {
   const km_substructure *sub = km_arc_motion_sub(f);
   int most = km_partition_freedom(&f->c.state->partition[f->c.substructure]), freedom = most;
-  for (double h = km_singular_step; h <= longest_first; h *= 2.0) {
+  for (double h = km_singular_step; 2.0 * h < km_longest_step; h *= 2.0) {
     int freedom_after_h = find_freedom_after(f, h), next = find_freedom_after(f, 2.0 * h);
     f->largest = h;
     freedom = freedom_after_h > 0 ? freedom_after_h : freedom;

@@ -1,7 +1,7 @@
 /* One step of a continuation by arc length (theory 4.9).
  *
  *   t  tangent, |D t| = 1;   h  step of arc length
- *   accept : |D correction| <= 0.2 |h| + 1e-9,  cos(t, t_new) >= 0.98,  same number of freedoms
+ *   accept : |D correction| <= 0.05 |h| + 1e-9,  cos(t, t_new) >= 0.98,  same number of freedoms
  *   arc    : length of the cubic between both configurations; secant iteration on h
  *   g      = det(pivot block) / t_i, i the independent coordinate: up to a constant det of J bordered by t,
  *            so its sign changes at a branch point */
@@ -9,8 +9,6 @@
 #include "kinematics/loop_closing.h"
 
 #include <string.h>
-
-static const double least_cosine_of_step = 0.98; /* least cosine between the tangents of a step */
 
 double km_arc_motion_branch_function(const km_arc_motion *f, const double *t) {
   const km_partition *p = &f->c.state->partition[f->c.substructure];
@@ -44,7 +42,7 @@ void km_arc_motion_set_origin(km_arc_motion *f) {
 
 bool km_arc_motion_try(km_arc_motion *f, double h, double *length) {
   const km_substructure *sub = km_arc_motion_sub(f);
-  const km_step_terms terms = {.most_correction = 0.2 * fabs(h) + 1e-9, .least_cosine = least_cosine_of_step};
+  const km_step_terms terms = km_step_terms_of(km_strict_correction_ratio, fabs(h));
   km_continuation_predict(&f->c, h, km_continuation_has_single_freedom(&f->c, f->freedom));
   km_state_restore(f->c.state, sub, f->c.from);
   if (km_continuation_correct(&f->c, &terms) != KM_STEP_ACCEPTED ||

@@ -5,8 +5,6 @@
 #include "continuation/arc_motion.h"
 #include "kinematics/loop_closing.h"
 
-static const double narrow = 4e-3; /* arc length to which a branch point is bracketed before interpolation */
-
 /* Advances to the limit of coordinate c, less than `length` away, by bisection of the arc length. */
 static void stop_at_limit(km_arc_motion *f, int c, double length) {
   double inside = 0.0, outside = length, reached;
@@ -34,7 +32,7 @@ static bool advance_one_step(km_arc_motion *f, double most) {
       continue;
     if (f->freedom == 1) {
       double g = km_arc_motion_branch_function_after_step(f);
-      if (g * f->g < 0.0 && length > narrow)
+      if (g * f->g < 0.0 && length > KM_SINGULAR_BRACKET)
         continue;
       if (g * f->g < 0.0) {
         km_arc_motion_locate_branch(f, length, g);

@@ -59,7 +59,7 @@ km_status km_driver_motion_create_in(km_arena *memory, const km_mechanism *m, km
                                 .substructure = m->substructure_of[coordinate],
                                 .column = m->column_of[coordinate],
                                 .ignore_limits = ignore_limits},
-                          .current = {.s = s->q[coordinate] / m->unit[coordinate], .largest = km_driver_longest_step}};
+                          .current = {.s = s->q[coordinate] / m->unit[coordinate], .largest = km_longest_step}};
   if (d->c.substructure >= 0 && !allocate(d)) {
     km_driver_motion_free(d);
     return km_fail(error, KM_MEMORY, "out of memory for a sweep");

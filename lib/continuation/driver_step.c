@@ -97,13 +97,6 @@ double km_driver_step_slide_position(const km_driver_motion *d, int column) {
   return km_model_coordinate_is_length(m->model, c) ? d->c.state->q[c] / m->unit[c] : 0.0;
 }
 
-/* Returns the largest move of a column in one step: 0.6, for a distant slide a quarter of its distance, so that each
- * tenfold of the distance takes the same number of steps. */
-static double longest_move(const km_driver_motion *d, int column) {
-  static const double share = 0.25;
-  return km_larger(share * fabs(km_driver_step_slide_position(d, column)), km_driver_motion_longest_move);
-}
-
 /* Returns the coordinate of a slide that diverges: distance and rate above 1e3 and growing; -1: none. */
 static int find_diverging_slide(const km_driver_motion *d, double h) {
   const km_substructure *sub = km_driver_motion_substructure(d);
@@ -130,7 +123,8 @@ static bool predict(km_driver_motion *d, double h) {
   else
     is_within_error = predict_minimum_norm_path(d, h);
   for (int k = 0; k < sub->columns; ++k)
-    if (!(fabs(d->c.move[k]) <= km_driver_motion_longest_move) && !(fabs(d->c.move[k]) <= longest_move(d, k)))
+    /* A distant slide moves relative to its distance, so that each tenfold takes as many steps. */
+    if (!(fabs(d->c.move[k]) <= km_max_newton_step * km_larger(1.0, fabs(km_driver_step_slide_position(d, k)))))
       return false;
   return is_within_error;
 }
@@ -175,13 +169,11 @@ static km_attempt try_step(km_driver_motion *d, double h, double correction_rati
     return KM_ATTEMPT_TOO_LONG;
   if (!predict(d, h) || (may_be_singular(d) && !d->implicit && violates_closure(d)))
     return KM_ATTEMPT_TOO_LONG;
-  const km_step_terms terms = {
-      .parameter = d->current.s + h,
-      .most_correction = km_driver_motion_most_correction(
-          correction_ratio, km_step_length(d->c.mechanism, km_driver_motion_substructure(d), d->c.move)),
-      .least_cosine = km_driver_motion_least_cosine(correction_ratio),
-      .least_rank = d->c.history.reference.rank,
-      .leaves_end = d->current.stopped * h < 0.0};
+  km_step_terms terms =
+      km_step_terms_of(correction_ratio, km_step_length(d->c.mechanism, km_driver_motion_substructure(d), d->c.move));
+  terms.parameter = d->current.s + h;
+  terms.least_rank = d->c.history.reference.rank;
+  terms.leaves_end = d->current.stopped * h < 0.0;
   km_step_outcome outcome = km_continuation_correct(&d->c, &terms);
   if (outcome != KM_STEP_ACCEPTED)
     return outcome == KM_STEP_OPEN ? KM_ATTEMPT_OPEN : KM_ATTEMPT_TOO_LONG;

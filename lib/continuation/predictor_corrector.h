@@ -10,18 +10,21 @@
 
 #include "base/number/tolerances.h"
 #include "continuation/hermite_curve.h"
-#include "kinematics/state.h"
+#include "kinematics/loop_closing.h"
 #include "local/constant_rank.h"
 
-/* True if the last pivot is below 1e-7 of the largest entry: the tangent is then determined by rounding errors. */
+/* Pivot, relative to the largest entry, below which a configuration is singular: rounding errors then determine the
+ * tangent. */
+static const double km_singular_pivot = 1e-7;
 static inline bool km_continuation_is_singular(const km_partition *p) {
-  static const double singular = 1e-7;
-  return p->last_pivot < singular * p->scale;
+  return p->last_pivot < km_singular_pivot * p->scale;
 }
 
 /* First step beside a singular configuration, distance of the configurations by which it is located, and shortest first
  * step towards a new target: radians or substructure sizes. */
 static const double km_singular_step = 1e-3;
+/* Longest step of a parameter, the move of a coordinate being at most km_max_newton_step: radians or sizes. */
+static const double km_longest_step = 0.3;
 
 /* Extrapolation limit: the history predicts steps of at most this many previous step lengths (theory 4.5). */
 static const double km_continuation_extrapolation_limit = 4.0;
@@ -62,6 +65,10 @@ typedef struct km_continuation {
   double *work;                   /* [columns] */
 } km_continuation;
 
+/* Largest |D correction| / |D move| of a driven step, and of one that leads by arc length or over a singular
+ * configuration, where another branch is near. */
+static const double km_correction_ratio = 0.25, km_strict_correction_ratio = 0.05;
+
 /* Conditions under which a corrected step is accepted. */
 typedef struct km_step_terms {
   double parameter;       /* value of the driver at the end of the step, scaled */
@@ -70,6 +77,16 @@ typedef struct km_step_terms {
   int least_rank;         /* smallest rank; a lower one means a singular configuration */
   bool leaves_end;        /* the step leads back from a located turning point, where new pivots can look singular */
 } km_step_terms;
+
+/* Least cosine between the tangents of a step. */
+static inline double km_least_step_cosine(double correction_ratio) {
+  return 1.0 - correction_ratio * 0.4;
+}
+/* Terms of a step with |D move| = length. */
+static inline km_step_terms km_step_terms_of(double correction_ratio, double length) {
+  return (km_step_terms){.most_correction = correction_ratio * length + km_step_tolerance,
+                         .least_cosine = km_least_step_cosine(correction_ratio)};
+}
 
 typedef enum km_step_outcome {
   KM_STEP_ACCEPTED,

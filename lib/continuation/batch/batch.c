@@ -144,14 +144,11 @@ static void release_repivoted_lanes(km_batch *l) {
   l->refreshed = 0;
 }
 
-/* Targets further than this many longest steps are left to the single motion, which has a step bound. */
-static const double most_steps = 1e4;
-
 /* Loads a lane; if that fails, finds pivots and tangent, or takes the first step singly, and tries again. */
 static void load_or_start_lane(km_batch *l, int i, double target) {
   km_driver_motion *d = l->drives[i];
   load_lane(l, i);
-  bool is_distant = !(fabs(target * l->factor.of[i] - d->current.s) < most_steps * km_driver_longest_step);
+  bool is_distant = !(fabs(target * l->factor.of[i] - d->current.s) < KM_MOST_STEPS_TO_UNREACHABLE * km_longest_step);
   if (is_distant)
     km_driver_motion_write_back(d);
   if (is_distant || l->active >> i & 1)
@@ -165,7 +162,7 @@ static void load_or_start_lane(km_batch *l, int i, double target) {
 }
 
 static bool is_far(const km_batch *l, int i) {
-  return !(fabs(l->target.of[i] - l->current.s.of[i]) < most_steps * km_driver_longest_step);
+  return !(fabs(l->target.of[i] - l->current.s.of[i]) < KM_MOST_STEPS_TO_UNREACHABLE * km_longest_step);
 }
 
 /* Sets the targets of the active lanes and writes back those with distant targets. */
