@@ -245,9 +245,8 @@ static void handle_branch_switch(void *self) {
 /* True if the coordinate is at rest at the driver's dead point. The driver's mobility number, the square of its rate,
  * is 0 there up to the accuracy of the position. */
 static bool rests_with_driver(const km_sweeper *r, int c) {
-  static const double ratio = 100.0; /* ratio of rates of coordinates that move there */
   const double *numbers = r->s->mobility_number;
-  return numbers[c] <= ratio * ratio * fmax(numbers[r->plan->coordinate], 1e-30);
+  return numbers[c] <= km_significant_ratio * km_significant_ratio * fmax(numbers[r->plan->coordinate], 1e-30);
 }
 
 /* Adds the dead points at an end of the sweep: of the driver and of the coordinates at rest there. */
