@@ -10,26 +10,23 @@
 
 #include <string.h>
 
+static double pivots_over_tangent(const km_factor *p, const double *t) {
+  return km_factor_pivot_product(p) / t[km_factor_column_order(p)[km_factor_rank(p)]];
+}
+
 double km_arc_motion_branch_function(const km_arc_motion *f, const double *t) {
-  const km_partition *p = &f->c.state->partition[f->c.substructure];
-  double g = 1.0 / t[p->column[p->rank]];
-  for (int i = 0; i < p->rank; ++i)
-    g /= p->inverse[i];
-  return g;
+  return pivots_over_tangent(f->c.state->factor[f->c.substructure], t);
 }
 
 double km_arc_motion_branch_function_after_step(km_arc_motion *f) {
   if (f->g == 0.0)
     return 0.0;
-  const km_partition *p = &f->c.state->partition[f->c.substructure];
-  if (p->search_count == f->c.history.reference.search_count)
+  const km_factor *p = f->c.state->factor[f->c.substructure];
+  km_factor *r = f->c.history.reference;
+  if (km_factor_search_count(p) == km_factor_search_count(r))
     return km_arc_motion_branch_function(f, f->c.next_t);
-  km_partition *r = &f->c.history.reference;
-  km_partition_refactor_full_pattern(r, km_state_jacobian(f->c.state, km_arc_motion_sub(f)));
-  double g = 1.0 / f->c.next_t[r->column[r->rank]];
-  for (int i = 0; i < r->rank; ++i)
-    g /= r->inverse[i];
-  return g;
+  km_factor_refactor(r, km_state_jacobian(f->c.state, km_arc_motion_sub(f)), KM_BASIS_SHORT);
+  return pivots_over_tangent(r, f->c.next_t);
 }
 
 void km_arc_motion_set_origin(km_arc_motion *f) {
@@ -46,7 +43,7 @@ bool km_arc_motion_try(km_arc_motion *f, double h, double *length) {
   km_continuation_predict(&f->c, h, km_continuation_has_single_freedom(&f->c, f->freedom));
   km_state_restore(f->c.state, sub, f->c.from);
   if (km_continuation_correct(&f->c, &terms) != KM_STEP_ACCEPTED ||
-      km_partition_freedom(&f->c.state->partition[f->c.substructure]) != f->freedom) {
+      km_factor_freedom(f->c.state->factor[f->c.substructure]) != f->freedom) {
     km_continuation_reject(&f->c);
     return false;
   }

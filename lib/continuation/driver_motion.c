@@ -33,8 +33,7 @@ static double longest_driver_step(const km_driver_motion *d) {
 /* Returns the next step size after an accepted step of h: doubled if the predictor's error ratio permits it. Also
  * clears the mark of a turning point that the step left. */
 static double lengthen_step(km_driver_motion *d, double step, double h) {
-  if (fabs(h) > km_driver_motion_end_distance &&
-      !km_continuation_is_singular(&d->c.state->partition[d->c.substructure]))
+  if (fabs(h) > km_driver_motion_end_distance && !km_continuation_is_singular(d->c.state->factor[d->c.substructure]))
     d->current.stopped = 0.0;
   double share = step / fabs(h), square = share * share;
   double doubled = d->current.is_stiff ? 4.0 * square : 16.0 * (square * square);
@@ -46,7 +45,7 @@ static double lengthen_step(km_driver_motion *d, double step, double h) {
  * singular configuration. The end then lies in the other direction. */
 static bool is_blocked_on_return(const km_driver_motion *d, double remaining) {
   return d->current.stopped == 0.0 && remaining * d->c.history.last_h < 0.0 &&
-         km_continuation_is_singular(&d->c.state->partition[d->c.substructure]);
+         km_continuation_is_singular(d->c.state->factor[d->c.substructure]);
 }
 
 /* Moves along a bridge: to the target if the bridge contains it, else to its end. False if no bridge is under the

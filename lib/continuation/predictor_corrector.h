@@ -16,8 +16,9 @@
 /* Pivot, relative to the largest entry, below which a configuration is singular: rounding errors then determine the
  * tangent. */
 static const double km_singular_pivot = 1e-7;
-static inline bool km_continuation_is_singular(const km_partition *p) {
-  return p->last_pivot < km_singular_pivot * p->scale;
+static inline bool km_continuation_is_singular(const km_factor *p) {
+  const km_factor_evidence evidence = km_factor_get_evidence(p);
+  return evidence.last_pivot < km_singular_pivot * evidence.scale;
 }
 
 /* First step beside a singular configuration, distance of the configurations by which it is located, and shortest first
@@ -48,7 +49,8 @@ typedef struct km_step_history {
   double *remaining_step, *moves[KM_CURVE_MOVES]; /* [columns] */
   int equal_count;                                /* number of last steps with equal length, at most KM_CURVE_MOVES */
   /* pivots of the present configuration, for the sign test of det(pivot block) */
-  km_partition reference;
+  int sign; /* sign of the pivot block at the last configuration */
+  km_factor *reference;
 } km_step_history;
 
 typedef struct km_continuation {
@@ -116,6 +118,8 @@ static inline bool km_continuation_has_single_freedom(const km_continuation *c, 
  * false if less than 1e-6 of it remains. */
 bool km_continuation_tangent(km_continuation *continuation, const double *along, double *t);
 
+/* Sets the reference to the pivots of a factor. */
+void km_step_history_set_reference(km_step_history *history, const km_factor *factor);
 /* Clears the history: the next prediction uses the tangent alone. */
 void km_step_history_begin(km_step_history *history, int columns);
 

@@ -24,14 +24,13 @@ static double allowed_deviation(const km_driver_motion *d) {
 
 /* Closes the loops with the driver fixed by the rows whose pivots stay away from 0 on the stretch. */
 static bool close_independent_rows(km_driver_motion *d, double *correction) {
-  km_partition *p = &d->c.state->partition[d->c.substructure];
-  const double snapshot = p->min_relative_pivot;
+  const km_pivoting pivoting = {.driver = d->c.column,
+                                .driver_never_pivot = true,
+                                .min_relative_pivot = km_significant_ratio * km_singular_pivot};
   km_closure evidence;
   int worst;
   km_state_invalidate_pivots(d->c.state, d->c.substructure);
-  p->min_relative_pivot = km_larger(km_significant_ratio * km_singular_pivot, snapshot);
-  km_close_with_driver(d->c.mechanism, d->c.state, d->c.substructure, d->c.column, &evidence);
-  p->min_relative_pivot = snapshot;
+  km_loops_close_by(d->c.mechanism, d->c.state, d->c.substructure, &pivoting, &evidence);
   *correction = evidence.correction;
   km_state_invalidate_pivots(d->c.state, d->c.substructure);
   km_loops_update(d->c.mechanism, d->c.state, km_driver_motion_substructure(d));
@@ -114,8 +113,8 @@ static bool find_nodes(km_driver_motion *d, double c, double h) {
     d->current.s = s;
     km_continuation_set_driver(&d->c, s);
     km_node_curve_record(&d->bridge.curve, &d->c, i, d->c.history.t);
-    const km_partition *p = &d->c.state->partition[d->c.substructure];
-    d->bridge.smallest_pivot = km_smaller(d->bridge.smallest_pivot, p->last_pivot / p->scale);
+    const km_factor_evidence e = km_factor_get_evidence(d->c.state->factor[d->c.substructure]);
+    d->bridge.smallest_pivot = km_smaller(d->bridge.smallest_pivot, e.last_pivot / e.scale);
   }
   return true;
 }

@@ -306,7 +306,7 @@ static km_status accept_exact(const shared_data *shared, int index, km_rounding 
   if (!status && *closed) {
     km_update_and_search_pivots(shared->m, shared->s, index, KM_NO_DRIVER, 0.0);
     verdict->closes = true;
-    verdict->mobility = verdict->mobility_as_written = km_partition_freedom(&shared->s->partition[index]);
+    verdict->mobility = verdict->mobility_as_written = km_factor_freedom(shared->s->factor[index]);
   } else if (!status) {
     km_state_restore(shared->s, sub, start);
   }

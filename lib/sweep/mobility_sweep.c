@@ -133,7 +133,7 @@ static void compute_unit_direction(const km_mechanism *m, const double *rates, d
 /* Computes the unit direction of the single freedom besides passive ones; false with more freedoms or at the driver's
  * dead point. */
 static bool compute_direction(const km_sweeper *r, double *z) {
-  int freedom = r->substructure < 0 ? 0 : km_partition_freedom(&r->s->partition[r->substructure]);
+  int freedom = r->substructure < 0 ? 0 : km_factor_freedom(r->s->factor[r->substructure]);
   if (freedom - r->out->passive != 1)
     return false;
   if (r->is_batched && freedom == 1) {
@@ -253,7 +253,7 @@ static bool rests_with_driver(const km_sweeper *r, int c) {
 static km_status handle_end(void *self, km_sweeper *r, double s, km_error *error) {
   sweep_events *w = self;
   const int driver = r->plan->coordinate;
-  const bool has_one_freedom = r->substructure >= 0 && km_partition_freedom(&r->s->partition[r->substructure]) == 1;
+  const bool has_one_freedom = r->substructure >= 0 && km_factor_freedom(r->s->factor[r->substructure]) == 1;
   km_status status = KM_OK;
   for (int pass = 0; pass < 2; ++pass) /* the driver first */
     for (int i = 0; i < w->candidate_count && !status; ++i) {

@@ -109,7 +109,7 @@ static void compute_second_derivatives(sweep_motion *w, const km_sweeper *r) {
   const int *coordinate = m->column_coordinate + sub->column_start;
   int driver = 0;
   km_loops_velocity_products(m, r->s, sub, r->rates, w->gamma);
-  km_partition_solve(&r->s->partition[r->substructure], w->gamma, w->x);
+  km_factor_solve(r->s->factor[r->substructure], w->gamma, w->x);
   km_minimum_norm_step(m, r->s, r->substructure, KM_NO_DRIVER, w->x);
   for (int k = 0; k < sub->columns; ++k) {
     w->t[k] = r->rates[coordinate[k]] / m->unit[coordinate[k]];

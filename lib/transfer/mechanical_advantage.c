@@ -221,7 +221,7 @@ static void add_motion(const km_mechanism *m, km_transfer *l, const double *z, c
 /* True if the substructure is permanently shaky; tested at the first configuration with several freedoms. */
 static bool is_permanently_shaky(const km_mechanism *m, km_state *s, int index, km_transfer *l) {
   km_constant_rank *constant_rank = &l->constant_rank[index];
-  if (km_partition_freedom(&s->partition[index]) < 2)
+  if (km_factor_freedom(s->factor[index]) < 2)
     return false;
   if (!l->is_tested[index])
     l->is_tested[index] = km_constant_rank_begin(constant_rank, m, s, index, KM_NO_DRIVER, &l->arena);
@@ -230,7 +230,7 @@ static bool is_permanently_shaky(const km_mechanism *m, km_state *s, int index, 
 
 static int find_freedom(const km_mechanism *m, km_state *s, int index, km_transfer *l) {
   l->uses_constant_rank[index] = is_permanently_shaky(m, s, index, l);
-  return l->uses_constant_rank[index] ? l->constant_rank[index].count : km_partition_freedom(&s->partition[index]);
+  return l->uses_constant_rank[index] ? l->constant_rank[index].count : km_factor_freedom(s->factor[index]);
 }
 
 /* Adds all free motions of a substructure to the rates. */
@@ -249,7 +249,7 @@ static void add_motions(const km_mechanism *m, km_state *s, int index, km_transf
     return;
   }
   const double *Z = km_state_basis(s, index);
-  for (int k = 0; k < km_partition_freedom(&s->partition[index]); ++k)
+  for (int k = 0; k < km_factor_freedom(s->factor[index]); ++k)
     add_motion(m, l, Z + (size_t)k * (size_t)sub->columns, coordinate, sub->columns, single_freedom);
 }
 
@@ -366,7 +366,7 @@ int km_transfer_branches(const km_mechanism *m, km_state *s, km_transfer *l, km_
   int index = -1, count = 0;
   for (int c = 0; c < m->coordinate_count && index < 0; ++c)
     index = l->moves[c] ? m->substructure_of[c] : -1;
-  if (index < 0 || km_partition_freedom(&s->partition[index]) < 2)
+  if (index < 0 || km_factor_freedom(s->factor[index]) < 2)
     return 0;
   if (is_permanently_shaky(m, s, index, l))
     return 0;
