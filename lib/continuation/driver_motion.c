@@ -134,15 +134,12 @@ static km_motion_end move_tree_joint(km_driver_motion *d, double target) {
   return reach;
 }
 
-/* Refines the configuration at the limit of coordinate c: steps of h = (limit - q_c) / t_c leave rounding only. */
+/* Refines the configuration at the limit of coordinate c. */
 static void refine_limit(km_driver_motion *d, int c) {
-  const km_mechanism *m = d->c.mechanism;
-  int k = m->column_of[c], limit = -1;
+  int limit = -1;
   for (int round = 0; round < 2; ++round) {
-    double q = d->c.state->q[c], bound = fabs(m->high[c] - q) < fabs(q - m->low[c]) ? m->high[c] : m->low[c];
-    double gap = (bound - q) / m->unit[c] / d->c.history.t[k];
-    if (m->ball_of[c] >= 0 || gap == 0.0 || !(fabs(gap) < 1e-7) ||
-        km_driver_motion_advance(d, gap, km_correction_ratio, &limit) != KM_ATTEMPT_ACCEPTED)
+    double h = km_continuation_step_to_limit(&d->c, c);
+    if (h == 0.0 || km_driver_motion_advance(d, h, km_correction_ratio, &limit) != KM_ATTEMPT_ACCEPTED)
       return;
   }
 }

@@ -173,6 +173,14 @@ int km_continuation_limit(const km_continuation *c, double h) {
   return passed >= 0 ? passed : km_state_limit_touched(c->state, sub, c->from, c->history.t, c->next_t, h);
 }
 
+double km_continuation_step_to_limit(const km_continuation *c, int coordinate) {
+  const km_mechanism *m = c->mechanism;
+  double q = c->state->q[coordinate], low = m->low[coordinate], high = m->high[coordinate];
+  double gap = ((fabs(high - q) < fabs(q - low) ? high : low) - q) / m->unit[coordinate] /
+               c->history.t[m->column_of[coordinate]];
+  return m->ball_of[coordinate] < 0 && fabs(gap) < km_singular_pivot ? gap : 0.0;
+}
+
 /* Shifts the tangents of earlier steps for Adams-Bashforth; returns the vector that drops out. A reversal clears
  * them, because the nodes must lie on one side. */
 static double *push_older_tangents(km_step_history *history, double h, bool single_freedom) {

@@ -133,6 +133,9 @@ km_step_outcome km_continuation_correct(km_continuation *continuation, const km_
 /* Returns the coordinate that is beyond its limit at the trial configuration or, by the cubic, within the step; -1:
  * none. */
 int km_continuation_limit(const km_continuation *continuation, double h);
+/* Returns the step that leads to the nearer limit of a coordinate at its present rate, where the limit was found to
+ * 1e-7; 0: none. Two such steps leave rounding only. */
+double km_continuation_step_to_limit(const km_continuation *continuation, int coordinate);
 /* Accepts the trial configuration: it enters the history and next_t becomes the present tangent. */
 void km_continuation_accept(km_continuation *continuation, double h);
 /* Rejects the trial configuration: the state returns to the start of the step. */
