@@ -14,6 +14,7 @@ typedef struct km_question_class {
   const km_option *shared; /* options that several kinds have, behind the own ones */
   int shared_count;
   size_t size;
+  bool is_space; /* rows are configurations of a space, and no curve connects them */
   /* Prepares `kind_data` from the options. Can be NULL. */
   km_status (*prepare)(km_question *question, km_error *error);
   /* Opens the sweep that computes the result; the last result is freed before. */
