@@ -4,9 +4,6 @@
 #include <gsl/gsl_cdf.h>
 #include <math.h>
 
-/* Share of a normal distribution within three standard deviations. */
-static const double three_sigma = 0.9973002039367398;
-
 enum { ACROSS = 0, ALONG = 2, AT_CHILD = 3, AT_PARENT = 6 }; /* rows of km_self_stress.wrench */
 
 bool km_model_states_clearance(const km_model *model) {
@@ -17,7 +14,8 @@ bool km_model_states_clearance(const km_model *model) {
 }
 
 double km_statistical_factor(int count) {
-  return sqrt(gsl_cdf_chisq_Pinv(three_sigma, count)) / 3.0;
+  /* the share of a normal distribution within three standard deviations */
+  return sqrt(gsl_cdf_chisq_Pinv(erf(3.0 / M_SQRT2), count)) / 3.0;
 }
 
 static void add_term(km_support_term *terms, int *count, int first, int rows, int owner, double size) {

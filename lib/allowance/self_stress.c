@@ -22,7 +22,7 @@ typedef struct basis {
 
 int km_self_stress_count(const km_state *s, int substructure) {
   const km_substructure *sub = &s->mechanism->substructures[substructure];
-  return 6 * sub->loop_count + sub->coupling_count - s->partition[substructure].rank;
+  return 6 * sub->loop_count + sub->coupling_count - km_factor_rank(s->factor[substructure]);
 }
 
 static km_pose closing_pose(const km_left_space *a, int loop) {

@@ -1,10 +1,8 @@
 /* Forces in joints without play. */
 #include "allowance/strain_forces.h"
+#include "base/number/tolerances.h"
 
 #include <math.h>
-
-/* Pivots of C below this part of its diagonal count as 0. */
-static const double singular = 1e-12;
 
 enum { FORCE = 0, MOMENT = 3 }; /* rows of km_self_stress.wrench */
 
@@ -37,7 +35,7 @@ static bool factor(double *C, int n) {
       if (j < i)
         C[i * n + j] /= C[j * n + j];
     }
-    if (!(C[i * n + i] > singular * diagonal))
+    if (!(C[i * n + i] > km_solved_rounding * diagonal))
       return false;
     C[i * n + i] = sqrt(C[i * n + i]);
   }

@@ -6,22 +6,16 @@
  * doesn't lower h/c: H⁻¹ g minimises the bound of c among the x with gᵀ x = h(a). A step is prolonged, twice as far
  * each time, as long as that raises the ratio further. */
 #include "allowance/support_ratio.h"
+#include "base/number/tolerances.h"
 #include "base/number/vectors.h"
 #include "base/random.h"
 
 #include <math.h>
 #include <string.h>
 
-/* A step that raises the ratio by less than this part ends the ascent. */
-static const double least_gain = 1e-6;
-/* Rows shorter than this part of their matrix times |a| count as that short: the weight 1/|W_k a| stays finite. */
-static const double shortest = 1e-7;
-/* Pivots of H below this part of its diagonal count as 0: c has a null vector. */
-static const double singular = 1e-12;
-/* A component of ∇h beside the range of H above this part of it isn't rounding. */
-static const double out_of_range = 1e-7;
-/* Relative difference below which two local maxima are one. */
-static const double same = 1e-6;
+/* Root of the rounding of a sum. Rows shorter than this part of their matrix times |a| count as that short, so that the
+ * weight 1/|W_k a| stays finite; a component of ∇h beside the range of H above this part of it isn't rounding. */
+static const double root_rounding = 1e-7;
 enum { MOST_STEPS = 300 };
 /* Random starts: 60 found the largest maximum of 1 000 starts at each row of twelve sweeps, 20 all but one (1.4 %). */
 enum { FIRST_STARTS = 60, LATER_STARTS = 2 };
@@ -108,7 +102,7 @@ static void bound_of(const ascent *q, const double *a) {
   memset(q->weight, 0, (size_t)q->t->rows * sizeof *q->weight);
   for (int k = 0; k < q->t->play_count; ++k) {
     const km_support_term *t = &q->t->play[k];
-    double least = shortest * size * km_norm(q->t->length + t->first, t->rows);
+    double least = root_rounding * size * km_norm(q->t->length + t->first, t->rows);
     for (int r = t->first; r < t->first + t->rows && (!q->counts || q->counts[t->owner]) && least > 0.0; ++r)
       q->weight[r] = q->t->length[r] > 0.0 ? t->size / fmax(km_norm(q->Wa + t->first, t->rows), least) : 0.0;
   }
@@ -128,13 +122,13 @@ static bool solve(double *H, int n, double *x) {
     }
     for (int j = 0; j < i; ++j)
       H[i * n + i] -= H[i * n + j] * H[i * n + j] * H[j * n + j];
-    if (!(H[i * n + i] > singular * diagonal))
+    if (!(H[i * n + i] > km_solved_rounding * diagonal)) /* c has a null vector */
       H[i * n + i] = 0.0;
   }
   for (int i = 0; i < n; ++i) {
     for (int j = 0; j < i; ++j)
       x[i] -= H[i * n + j] * x[j];
-    if (H[i * n + i] == 0.0 && fabs(x[i]) > out_of_range * size)
+    if (H[i * n + i] == 0.0 && fabs(x[i]) > root_rounding * size)
       return false;
   }
   for (int i = 0; i < n; ++i)
@@ -180,7 +174,7 @@ static double ascend(const ascent *q, double *a) {
       return HUGE_VAL;
     normalise(q->x, n);
     double next = prolong(q, a, ratio_at(q, q->x), &reach);
-    if (!(next > value * (1.0 + least_gain)))
+    if (!(next > value * (1.0 + km_ratio_accuracy)))
       break;
     value = next;
     memcpy(a, q->x, (size_t)n * sizeof *a);
@@ -221,9 +215,9 @@ bool km_ratio_search_create(int dimension, int most, km_arena *arena, km_ratio_s
 static void keep(km_ratio_search *s, double *values, double value, const double *a) {
   const size_t n = (size_t)s->dimension;
   int place = 0;
-  while (place < s->count && values[place] > value * (1.0 + same))
+  while (place < s->count && values[place] > value * (1.0 + km_ratio_accuracy))
     ++place;
-  if (place == s->most || (place < s->count && value <= values[place] * (1.0 + same)))
+  if (place == s->most || (place < s->count && value <= values[place] * (1.0 + km_ratio_accuracy)))
     return;
   s->count += s->count < s->most;
   for (int k = s->count - 1; k > place; --k) {

@@ -11,6 +11,9 @@
 
 #include <stdint.h>
 
+/* Relative accuracy of ρ: a step that raises it by less ends the ascent, and ratios that differ by less are equal. */
+static const double km_ratio_accuracy = 1e-6;
+
 typedef struct km_support_term {
   double size;     /* radius of the ball */
   int first, rows; /* rows of W, 1 to 3 */

@@ -66,13 +66,12 @@ struct km_arm {
 /* Workspace of one thread, allocated once. */
 typedef struct km_arm_space {
   km_arena arena;
-  km_pose pose;           /* pose of the effector; by km_arm_update */
-  double *jacobian;       /* [rows × (n + 1)] column-major, the last column for −ξ; by km_arm_update */
-  km_vec3 *axis, *point;  /* [n] axes of the motions and points on them */
-  km_partition partition; /* factorisation of [J | −ξ]; by km_control_factor */
-  bool *forced;           /* [n + 1] */
-  double *ones;           /* [n + 1] */
-  double *null;           /* [n × (n + 1)] orthonormal null space of the Jacobian; by km_control_factor */
+  km_pose pose;          /* pose of the effector; by km_arm_update */
+  double *jacobian;      /* [rows × (n + 1)] column-major, the last column for −ξ; by km_arm_update */
+  km_vec3 *axis, *point; /* [n] axes of the motions and points on them */
+  km_factor *factor;     /* factorisation of [J | −ξ]; by km_control_factor */
+  bool *forced;          /* [n + 1] */
+  double *null;          /* [n × (n + 1)] orthonormal null space of the Jacobian; by km_control_factor */
   int null_count;
   double *rotated;            /* [rows × n] work array of the singular values */
   double sigma[KM_ARM_ROWS];  /* singular values, unordered */

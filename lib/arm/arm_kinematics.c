@@ -14,22 +14,16 @@ bool km_arm_space_create(const km_arm *a, km_arm_space *s) {
   s->axis = KM_ARENA_NEW(&s->arena, km_vec3, n);
   s->point = KM_ARENA_NEW(&s->arena, km_vec3, n);
   s->forced = KM_ARENA_NEW(&s->arena, bool, n + 1);
-  s->ones = KM_ARENA_NEW(&s->arena, double, n + 1);
   s->null = KM_ARENA_NEW(&s->arena, double, n *(n + 1));
   s->rotated = KM_ARENA_NEW(&s->arena, double, rows *n);
   if (km_seven_fits(a))
     s->seven = KM_ARENA_NEW(&s->arena, km_one_seven, 1);
-  if (!km_partition_reserve(&s->partition, a->rows, a->n + 1, &s->arena)) {
-    km_arm_space_free(s);
-    return false;
-  }
-  if (!km_arm_clearance_create(a, s)) {
+  s->factor = km_factor_create(a->rows, a->n + 1, NULL, &s->arena);
+  if (!s->factor || !km_arm_clearance_create(a, s)) {
     km_arm_space_free(s);
     return false;
   }
   s->forced[n] = true;
-  for (size_t i = 0; i <= n; ++i)
-    s->ones[i] = 1.0;
   return true;
 }
 

@@ -41,10 +41,11 @@ void km_control_pivot(const km_arm *a, km_arm_space *s, const double *xi, const 
   for (int k = 0; fixed && k < n; ++k)
     if (fixed[k])
       memset(s->jacobian + k * rows, 0, (size_t)rows * sizeof *s->jacobian);
-  km_partition_factor(&s->partition, s->jacobian, rows, n + 1, s->forced, KM_ARM_PIVOT * (n + 1));
-  int rank = s->partition.rank - s->partition.forced_dependent;
-  s->null_count = n - rank;
-  km_partition_null_space(&s->partition, s->ones, s->null_count, s->null);
+  const km_factor_options options = {.tolerance = KM_ARM_PIVOT * (n + 1), .forced = s->forced};
+  km_factor_compute(s->factor, s->jacobian, rows, n + 1, &options);
+  s->null_count = n - km_factor_rank(s->factor) + km_factor_has_forced_pivot(s->factor);
+  memcpy(s->null, km_factor_null_space(s->factor, s->null_count),
+         (size_t)s->null_count * (size_t)(n + 1) * sizeof *s->null);
 }
 
 void km_control_project_out(const km_arm *a, const km_arm_space *s, double *x) {
@@ -99,11 +100,11 @@ double km_control_columns(const km_arm *a, const km_arm_space *s, const double *
     km_one_path_column(s->seven, path);
     return path[SEVEN];
   }
-  if (s->partition.forced_dependent) { /* ξ is not in the range of J */
+  if (km_factor_has_forced_pivot(s->factor)) { /* ξ is not in the range of J */
     memset(path, 0, (size_t)(n + 1) * sizeof *path);
     return 0.0;
   }
-  km_partition_null_vector(&s->partition, n, path);
+  km_factor_null_vector(s->factor, n, path);
   km_control_project_out(a, s, path);
   double scale = 1.0 / sqrt(km_dot(path, path, n + 1));
   for (int i = 0; i <= n; ++i)
@@ -120,7 +121,7 @@ void km_control_solve(const km_arm *a, km_arm_space *s, const double *rhs, const
     memcpy(x, &found, SEVEN * sizeof *x);
     return;
   }
-  km_partition_solve(&s->partition, rhs, all);
+  km_factor_solve(s->factor, rhs, all);
   memcpy(x, all, (size_t)a->n * sizeof *x);
   km_control_project_out(a, s, x);
   if (moved) {

@@ -47,24 +47,22 @@ static void align_with_path(const double *basis, int n, int freedom, double *Z) 
 /* Factors the matrix, finds its null space and rotates it to path-control and pose-control columns. */
 static km_status solve(const double *matrix, int rows, int columns, km_arena *arena, double *Z, km_control *out,
                        km_error *error) {
-  km_partition p;
   size_t n = (size_t)columns;
-  double *ones = KM_ARENA_NEW(arena, double, n), *basis = KM_ARENA_NEW(arena, double, n *n);
-  if (!km_partition_reserve(&p, rows, columns, arena))
+  km_factor *p = km_factor_create(rows, columns, NULL, arena);
+  if (!p)
     return km_fail(error, KM_MEMORY, "out of memory for a matrix of %d x %d", rows, columns);
-  for (size_t i = 0; i < n; ++i)
-    ones[i] = 1.0;
   out->tolerance = KM_ARM_PIVOT * (rows > columns ? rows : columns);
-  km_partition_factor(&p, matrix, rows, columns, NULL, out->tolerance);
-  out->rank = p.rank;
-  out->freedom = columns - p.rank;
-  out->last_pivot = p.last_pivot;
-  out->first_dropped = p.first_dropped;
+  km_factor_compute(p, matrix, rows, columns, &(km_factor_options){.tolerance = out->tolerance});
+  const km_factor_evidence evidence = km_factor_get_evidence(p);
+  out->rank = km_factor_rank(p);
+  out->freedom = columns - out->rank;
+  out->last_pivot = evidence.last_pivot;
+  out->first_dropped = evidence.first_dropped;
   if (out->freedom == 0)
     return km_fail(error, KM_NO_RESULT,
-                   "the matrix has rank %d with %d columns: no null space; expected one of at least 1", p.rank,
+                   "the matrix has rank %d with %d columns: no null space; expected one of at least 1", out->rank,
                    columns);
-  km_partition_null_space(&p, ones, out->freedom, basis);
+  const double *basis = km_factor_null_space(p, out->freedom);
   for (int k = 0; k < out->freedom; ++k)
     out->path_entry = hypot(out->path_entry, basis[(size_t)(k + 1) * n - 1]);
   if (out->path_entry < KM_PATH_ENTRY_LEAST)

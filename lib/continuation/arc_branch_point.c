@@ -2,7 +2,7 @@
  *
  *   locate : four configurations around the zero of the chord of g; root of the cubic through their values of g;
  *            configuration on the curve through them (node_curve.h)
- *   leave  : tangent = direction of the branch; the first step grows from 1e-3 to 0.25 until the freedom of the
+ *   leave  : tangent = direction of the branch; the first step grows from 1e-3 to 0.13 until the freedom of the
  *            branch is unambiguous */
 #include "continuation/arc_motion.h"
 #include "continuation/hermite_curve.h"
@@ -10,8 +10,6 @@
 #include "kinematics/loop_equations.h"
 
 #include <string.h>
-
-static const double longest_first = 0.25; /* longest first step on a branch, arc length */
 
 bool km_arc_motion_locate_branch(km_arc_motion *f, double length, double g_end) {
   const km_substructure *sub = km_arc_motion_sub(f);
@@ -32,9 +30,9 @@ bool km_arc_motion_locate_branch(km_arc_motion *f, double length, double g_end) 
   int worst;
   double residual = km_loops_residual(f->c.mechanism, f->c.state, sub, &worst);
   km_search_pivots(f->c.mechanism, f->c.state, f->c.substructure, KM_NO_DRIVER,
-                   fmax(1e-7, km_rank_tolerance(f->c.mechanism, sub, residual)));
+                   fmax(km_singular_pivot, km_rank_tolerance(f->c.mechanism, sub, residual)));
   /* The rank decides, since with redundant constraints g can vanish because the pivot rows alone become dependent. */
-  int mobility = km_partition_freedom(&f->c.state->partition[f->c.substructure]);
+  int mobility = km_factor_freedom(f->c.state->factor[f->c.substructure]);
   if (mobility > f->freedom) {
     f->branch = (km_branch_point){f->s + root, mobility, 0};
     f->branched = true;
@@ -85,22 +83,23 @@ void km_arc_motion_take_branch(km_arc_motion *f, const double *direction) {
 /* Returns the freedom of the closed configuration h along t; -1 if it is still singular. */
 static int find_freedom_after(km_arc_motion *f, double h) {
   const km_substructure *sub = km_arc_motion_sub(f);
-  const km_partition *p = &f->c.state->partition[f->c.substructure];
+  const km_factor *p = f->c.state->factor[f->c.substructure];
   km_closure evidence;
   for (int k = 0; k < sub->columns; ++k)
     f->c.move[k] = h * f->c.history.t[k];
   km_state_restore(f->c.state, sub, f->c.from);
   km_state_move(f->c.mechanism, f->c.state, sub, f->c.move);
-  km_close_fully(km_loops_close, f->c.mechanism, f->c.state, f->c.substructure, KM_NO_DRIVER, &evidence);
-  return km_continuation_is_singular(p) ? -1 : km_partition_freedom(p);
+  km_loops_close_fully(f->c.mechanism, f->c.state, f->c.substructure, &(km_pivoting){.driver = KM_NO_DRIVER},
+                       &evidence);
+  return km_continuation_is_singular(p) ? -1 : km_factor_freedom(p);
 }
 
 /* Returns the freedom of the branch along t and chooses the first step. The freedom at the branch point is that of
  * all branches together. The stretch with small pivots is wide if branches touch. */
 static int find_branch_freedom(km_arc_motion *f) {
   const km_substructure *sub = km_arc_motion_sub(f);
-  int most = km_partition_freedom(&f->c.state->partition[f->c.substructure]), freedom = most;
-  for (double h = km_singular_step; h <= longest_first; h *= 2.0) {
+  int most = km_factor_freedom(f->c.state->factor[f->c.substructure]), freedom = most;
+  for (double h = km_singular_step; 2.0 * h < km_longest_step; h *= 2.0) {
     int freedom_after_h = find_freedom_after(f, h), next = find_freedom_after(f, 2.0 * h);
     f->largest = h;
     freedom = freedom_after_h > 0 ? freedom_after_h : freedom;

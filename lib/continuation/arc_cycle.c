@@ -5,8 +5,6 @@
 
 #include <string.h>
 
-static const double shortest_cycle = 0.1; /* arc length of the shortest cycle that is detected */
-
 /* Computes the displacement from the origin to the state's configuration, full turns of hinges removed. */
 static void difference_from_origin(km_arc_motion *f, double *displacement) {
   const km_mechanism *m = f->c.mechanism;
@@ -22,7 +20,7 @@ bool km_arc_motion_passes_origin(km_arc_motion *f, double length) {
     return false;
   difference_from_origin(f, displacement);
   double after = km_continuation_dot(&f->c, f->origin_t, displacement);
-  return f->s - f->origin_s + length > shortest_cycle && after >= -1e-12 && after <= 1.5 * length &&
+  return f->s - f->origin_s + length > 2.0 * km_longest_arc_step && after >= -1e-12 && after <= 1.5 * length &&
          km_continuation_dot(&f->c, f->origin_t, f->c.next_t) > 0.9 &&
          km_continuation_dot(&f->c, displacement, displacement) < 4.0 * length * length;
 }

@@ -48,7 +48,7 @@ static int find_mobile_substructure(const km_mechanism *m, km_state *s) {
   for (int i = 0; i < m->topology.substructure_count; ++i) {
     km_loops_update(m, s, &m->substructures[i]);
     km_search_pivots(m, s, i, KM_NO_DRIVER, km_rank_tolerance(m, &m->substructures[i], 0.0));
-    if (km_partition_freedom(&s->partition[i]) > 0)
+    if (km_factor_freedom(s->factor[i]) > 0)
       return i;
   }
   return -1;
@@ -61,7 +61,7 @@ static km_status start_at_regular_configuration(km_arc_motion *f, int coordinate
     return km_fail(error, KM_MEMORY, "out of memory for following a motion");
   km_loops_update(m, f->c.state, sub);
   km_search_pivots(m, f->c.state, f->c.substructure, KM_NO_DRIVER, km_rank_tolerance(m, sub, 0.0));
-  f->freedom = km_partition_freedom(&f->c.state->partition[f->c.substructure]);
+  f->freedom = km_factor_freedom(f->c.state->factor[f->c.substructure]);
   if (!km_constant_rank_begin(&f->c.constant_rank, m, f->c.state, f->c.substructure, KM_NO_DRIVER, &f->arena))
     return km_fail(error, KM_MEMORY, "out of memory for following a motion");
   int column = coordinate >= 0 ? m->column_of[coordinate] : find_most_mobile_column(f);
@@ -69,7 +69,7 @@ static km_status start_at_regular_configuration(km_arc_motion *f, int coordinate
     return km_fail(error, KM_NO_RESULT, "nothing moves: %s",
                    f->freedom ? "the joint that should is at a dead point"
                               : "the mechanism is a structure at this pose");
-  km_partition_copy_pivots(&f->c.history.reference, &f->c.state->partition[f->c.substructure]);
+  km_step_history_set_reference(&f->c.history, f->c.state->factor[f->c.substructure]);
   km_arc_motion_save_start(f);
   km_arc_motion_set_origin(f);
   return KM_OK;

@@ -1,7 +1,7 @@
 /* One step of a continuation by arc length (theory 4.9).
  *
  *   t  tangent, |D t| = 1;   h  step of arc length
- *   accept : |D correction| <= 0.2 |h| + 1e-9,  cos(t, t_new) >= 0.98,  same number of freedoms
+ *   accept : |D correction| <= 0.05 |h| + 1e-9,  cos(t, t_new) >= 0.98,  same number of freedoms
  *   arc    : length of the cubic between both configurations; secant iteration on h
  *   g      = det(pivot block) / t_i, i the independent coordinate: up to a constant det of J bordered by t,
  *            so its sign changes at a branch point */
@@ -10,28 +10,23 @@
 
 #include <string.h>
 
-static const double least_cosine_of_step = 0.98; /* least cosine between the tangents of a step */
+static double pivots_over_tangent(const km_factor *p, const double *t) {
+  return km_factor_pivot_product(p) / t[km_factor_column_order(p)[km_factor_rank(p)]];
+}
 
 double km_arc_motion_branch_function(const km_arc_motion *f, const double *t) {
-  const km_partition *p = &f->c.state->partition[f->c.substructure];
-  double g = 1.0 / t[p->column[p->rank]];
-  for (int i = 0; i < p->rank; ++i)
-    g /= p->inverse[i];
-  return g;
+  return pivots_over_tangent(f->c.state->factor[f->c.substructure], t);
 }
 
 double km_arc_motion_branch_function_after_step(km_arc_motion *f) {
   if (f->g == 0.0)
     return 0.0;
-  const km_partition *p = &f->c.state->partition[f->c.substructure];
-  if (p->search_count == f->c.history.reference.search_count)
+  const km_factor *p = f->c.state->factor[f->c.substructure];
+  km_factor *r = f->c.history.reference;
+  if (km_factor_search_count(p) == km_factor_search_count(r))
     return km_arc_motion_branch_function(f, f->c.next_t);
-  km_partition *r = &f->c.history.reference;
-  km_partition_refactor_full_pattern(r, km_state_jacobian(f->c.state, km_arc_motion_sub(f)));
-  double g = 1.0 / f->c.next_t[r->column[r->rank]];
-  for (int i = 0; i < r->rank; ++i)
-    g /= r->inverse[i];
-  return g;
+  km_factor_refactor(r, km_state_jacobian(f->c.state, km_arc_motion_sub(f)), KM_BASIS_SHORT);
+  return pivots_over_tangent(r, f->c.next_t);
 }
 
 void km_arc_motion_set_origin(km_arc_motion *f) {
@@ -44,11 +39,11 @@ void km_arc_motion_set_origin(km_arc_motion *f) {
 
 bool km_arc_motion_try(km_arc_motion *f, double h, double *length) {
   const km_substructure *sub = km_arc_motion_sub(f);
-  const km_step_terms terms = {.most_correction = 0.2 * fabs(h) + 1e-9, .least_cosine = least_cosine_of_step};
+  const km_step_terms terms = km_step_terms_of(km_strict_correction_ratio, fabs(h));
   km_continuation_predict(&f->c, h, km_continuation_has_single_freedom(&f->c, f->freedom));
   km_state_restore(f->c.state, sub, f->c.from);
   if (km_continuation_correct(&f->c, &terms) != KM_STEP_ACCEPTED ||
-      km_partition_freedom(&f->c.state->partition[f->c.substructure]) != f->freedom) {
+      km_factor_freedom(f->c.state->factor[f->c.substructure]) != f->freedom) {
     km_continuation_reject(&f->c);
     return false;
   }

@@ -5,36 +5,28 @@
 #include "continuation/arc_motion.h"
 #include "kinematics/loop_closing.h"
 
-static const double narrow = 4e-3; /* arc length to which a branch point is bracketed before interpolation */
-
-/* Advances to the limit of coordinate c, less than `length` away, by bisection of the arc length. */
-static void stop_at_limit(km_arc_motion *f, int c, double length) {
-  double inside = 0.0, outside = length, reached;
-  f->limit = c;
-  for (int i = 0; i < 60 && outside - inside > 1e-11; ++i) {
-    double middle = 0.5 * (inside + outside);
-    if (km_arc_motion_step(f, middle, &reached) && km_continuation_limit(&f->c, middle) < 0)
-      inside = middle;
-    else
-      outside = middle;
-  }
-  if (inside > 0.0 && km_arc_motion_step(f, inside, &reached))
+/* Refines the configuration at the limit that ended the motion. */
+static void refine_limit(km_arc_motion *f) {
+  double reached;
+  for (int round = 0; round < 2; ++round) {
+    double h = km_continuation_step_to_limit(&f->c, f->limit);
+    if (h == 0.0 || !km_arc_motion_step(f, h, &reached))
+      return;
     km_arc_motion_accept(f, reached);
-  else
-    km_state_restore(f->c.state, km_arc_motion_sub(f), f->c.from);
+  }
 }
 
 /* Takes one controlled step of at most `most`; false if the motion ends. */
 static bool advance_one_step(km_arc_motion *f, double most) {
-  double first_h = most / ceil(most / f->largest * (1.0 - 1e-9)); /* equal steps avoid a short last one */
+  double first_h = most / ceil(most / f->largest * (1.0 - km_relative_zero)); /* equal steps avoid a short last one */
   for (double h = first_h; h >= fmin(km_step_tolerance, most); h *= 0.5) {
     double length;
     if (!(h == most ? km_arc_motion_step(f, h, &length) : km_arc_motion_try(f, h, &length)) ||
-        length > most * (1.0 + 1e-9))
+        length > most * (1.0 + km_relative_zero))
       continue;
     if (f->freedom == 1) {
       double g = km_arc_motion_branch_function_after_step(f);
-      if (g * f->g < 0.0 && length > narrow)
+      if (g * f->g < 0.0 && length > KM_SINGULAR_BRACKET)
         continue;
       if (g * f->g < 0.0) {
         km_arc_motion_locate_branch(f, length, g);
@@ -48,15 +40,17 @@ static bool advance_one_step(km_arc_motion *f, double most) {
       if (!km_arc_motion_step(f, length, &length))
         continue;
     }
-    int limit = km_continuation_limit(&f->c, length);
-    if (limit >= 0) {
-      stop_at_limit(f, limit, length);
-      return false;
+    f->limit = km_continuation_limit(&f->c, length);
+    if (f->limit >= 0) {
+      km_continuation_reject(&f->c);
+      continue;
     }
     km_arc_motion_accept(f, length);
     f->largest = fmin(km_longest_arc_step, h == first_h ? 2.0 * f->largest : h);
     return true;
   }
+  if (f->limit >= 0)
+    refine_limit(f);
   return false;
 }
 

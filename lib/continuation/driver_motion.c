@@ -16,10 +16,6 @@
 
 static const double shortest = 1e-11; /* step below which a turning point counts as located */
 
-/* Steps per target. A target further than 200 000 longest steps is unreachable; 10 000 steps are enough to find an
- * end or a limit before it. */
-enum { MOST_STEPS = 200000, MOST_STEPS_TO_UNREACHABLE = 10000 };
-
 /* Attempts in a row without a step of km_driver_motion_short_step: near a singular configuration steps shrink and
  * grow by halves, so a continuation that still advances needs fewer. */
 enum { MOST_SHORT_ATTEMPTS = 5000 };
@@ -31,20 +27,17 @@ static bool has_several_constant_rank_tangents(const km_driver_motion *d) {
 
 static double longest_driver_step(const km_driver_motion *d) {
   static const double with_several_freedoms = 0.01;
-  return has_several_constant_rank_tangents(d) ? with_several_freedoms : km_driver_longest_step;
+  return has_several_constant_rank_tangents(d) ? with_several_freedoms : km_longest_step;
 }
 
 /* Returns the next step size after an accepted step of h: doubled if the predictor's error ratio permits it. Also
  * clears the mark of a turning point that the step left. */
 static double lengthen_step(km_driver_motion *d, double step, double h) {
-  /* limit of the implicit predictor; see km_driver_motion_growth_limit */
-  static const double implicit_growth_limit = 0.2;
-  if (fabs(h) > km_driver_motion_end_distance &&
-      !km_continuation_is_singular(&d->c.state->partition[d->c.substructure]))
+  if (fabs(h) > km_driver_motion_end_distance && !km_continuation_is_singular(d->c.state->factor[d->c.substructure]))
     d->current.stopped = 0.0;
   double share = step / fabs(h), square = share * share;
-  bool may_grow = d->current.is_stiff ? d->error_ratio * square < implicit_growth_limit
-                                      : d->error_ratio * (square * square) < km_driver_motion_growth_limit;
+  double doubled = d->current.is_stiff ? 4.0 * square : 16.0 * (square * square);
+  bool may_grow = d->error_ratio * doubled < km_driver_motion_growth_limit;
   return may_grow ? km_smaller(2.0 * step, longest_driver_step(d)) : step;
 }
 
@@ -52,7 +45,7 @@ static double lengthen_step(km_driver_motion *d, double step, double h) {
  * singular configuration. The end then lies in the other direction. */
 static bool is_blocked_on_return(const km_driver_motion *d, double remaining) {
   return d->current.stopped == 0.0 && remaining * d->c.history.last_h < 0.0 &&
-         km_continuation_is_singular(&d->c.state->partition[d->c.substructure]);
+         km_continuation_is_singular(d->c.state->factor[d->c.substructure]);
 }
 
 /* Moves along a bridge: to the target if the bridge contains it, else to its end. False if no bridge is under the
@@ -74,7 +67,8 @@ static km_attempt advance_to_target(km_driver_motion *d, double target, int *lim
   bool may_build_bridge = true;
   d->rejections = 0;
   d->regular.s = HUGE_VAL;
-  int most = fabs(target - d->current.s) > MOST_STEPS * km_driver_longest_step ? MOST_STEPS_TO_UNREACHABLE : MOST_STEPS;
+  int most = fabs(target - d->current.s) > KM_MOST_DRIVER_STEPS * km_longest_step ? KM_MOST_STEPS_TO_UNREACHABLE
+                                                                                  : KM_MOST_DRIVER_STEPS;
   for (int steps = 0, short_attempts = 0; d->current.s != target; ++steps, ++short_attempts) {
     if (steps == most || short_attempts == MOST_SHORT_ATTEMPTS)
       return KM_ATTEMPT_EXHAUSTED;
@@ -84,7 +78,7 @@ static km_attempt advance_to_target(km_driver_motion *d, double target, int *lim
     bool splits =
         (d->current.is_stiff || has_several_constant_rank_tangents(d)) && !arrives && fabs(remaining) < 2.0 * step;
     double h = arrives ? remaining : splits ? 0.5 * remaining : copysign(step, remaining);
-    km_attempt result = km_driver_motion_advance(d, h, km_driver_motion_correction_ratio, limit);
+    km_attempt result = km_driver_motion_advance(d, h, km_correction_ratio, limit);
     if (result == KM_ATTEMPT_ACCEPTED) {
       short_attempts = fabs(h) < km_driver_motion_short_step ? short_attempts : 0;
       step = lengthen_step(d, step, h);
@@ -140,15 +134,12 @@ static km_motion_end move_tree_joint(km_driver_motion *d, double target) {
   return reach;
 }
 
-/* Refines the configuration at the limit of coordinate c: steps of h = (limit - q_c) / t_c leave rounding only. */
+/* Refines the configuration at the limit of coordinate c. */
 static void refine_limit(km_driver_motion *d, int c) {
-  const km_mechanism *m = d->c.mechanism;
-  int k = m->column_of[c], limit = -1;
+  int limit = -1;
   for (int round = 0; round < 2; ++round) {
-    double q = d->c.state->q[c], bound = fabs(m->high[c] - q) < fabs(q - m->low[c]) ? m->high[c] : m->low[c];
-    double gap = (bound - q) / m->unit[c] / d->c.history.t[k];
-    if (m->ball_of[c] >= 0 || gap == 0.0 || !(fabs(gap) < 1e-7) ||
-        km_driver_motion_advance(d, gap, km_driver_motion_correction_ratio, &limit) != KM_ATTEMPT_ACCEPTED)
+    double h = km_continuation_step_to_limit(&d->c, c);
+    if (h == 0.0 || km_driver_motion_advance(d, h, km_correction_ratio, &limit) != KM_ATTEMPT_ACCEPTED)
       return;
   }
 }
@@ -207,7 +198,7 @@ void km_driver_motion_begin(km_driver_motion *d, double target) {
     return;
   double step = km_smaller(d->current.largest, longest_driver_step(d));
   double h = copysign(step, remaining);
-  if (km_driver_motion_advance(d, h, km_driver_motion_correction_ratio, &limit) != KM_ATTEMPT_ACCEPTED)
+  if (km_driver_motion_advance(d, h, km_correction_ratio, &limit) != KM_ATTEMPT_ACCEPTED)
     return;
   d->current.largest = fmax(lengthen_step(d, step, h), km_singular_step);
   km_driver_motion_notify(d, d->current.s, d->c.history.t, 1);

@@ -8,17 +8,12 @@
 #include "continuation/predictor_corrector.h"
 #include "kmech/continuation.h"
 
-/* Longest step of the driver; largest move of a coordinate in one step,
- * beyond which the linearisation of an angle is useless. In radians or substructure sizes. */
-static const double km_driver_longest_step = 0.3, km_driver_motion_longest_move = 0.6;
 /* A slide beyond this distance (sizes) with a rate above this value (per unit of the driver) diverges; a rate above it
  * where a motion ends shows a turning point. */
 static const double km_driver_motion_diverging = 1e3;
-/* Largest |D correction| / |D move| of a step, and of the one step that crosses a singular configuration. */
-static const double km_driver_motion_correction_ratio = 0.25, km_driver_motion_crossing_correction_ratio = 0.05;
-/* Predictor's error over the allowed one, below which the step is doubled: the error of a doubled step is 16 times,
- * that of an implicit one (km_driver_motion_snapshot) 4 times larger in relation to its length. */
-static const double km_driver_motion_growth_limit = 0.05;
+/* A step is doubled if the predictor's error over the allowed one would stay below this. In relation to its length the
+ * error of a doubled step is 16 times, that of an implicit one 4 times larger. */
+static const double km_driver_motion_growth_limit = 0.8;
 /* A step longer than this moves away from a located turning point. A target nearer to the end of a step, relative to
  * the step, is reached by it: a remainder of rounding size would corrupt the history of the predictor. */
 static const double km_driver_motion_end_distance = 1e-6;
@@ -60,6 +55,10 @@ typedef struct km_singular_bridge {
   km_node_curve curve;
 } km_singular_bridge;
 
+/* Steps of a motion to a target; a target further away than as many longest steps is unreachable, and fewer are enough
+ * to find an end or a limit before it. */
+enum { KM_MOST_DRIVER_STEPS = 200000, KM_MOST_STEPS_TO_UNREACHABLE = 10000 };
+
 struct km_driver_motion {
   km_arena arena;
   km_continuation c;
@@ -80,13 +79,6 @@ struct km_driver_motion {
   int lane;
 };
 
-/* Largest |D correction| of a step with |D move| = length, and the least cosine between its tangents. */
-static inline double km_driver_motion_most_correction(double correction_ratio, double length) {
-  return correction_ratio * length + 1e-9;
-}
-static inline double km_driver_motion_least_cosine(double correction_ratio) {
-  return 1.0 - correction_ratio * 0.4;
-}
 /* Factor from the model's unit to the scaled driver. */
 static inline double km_driver_motion_factor(const km_driver_motion *d) {
   const km_mechanism *m = d->c.mechanism;

@@ -59,7 +59,7 @@ km_status km_driver_motion_create_in(km_arena *memory, const km_mechanism *m, km
                                 .substructure = m->substructure_of[coordinate],
                                 .column = m->column_of[coordinate],
                                 .ignore_limits = ignore_limits},
-                          .current = {.s = s->q[coordinate] / m->unit[coordinate], .largest = km_driver_longest_step}};
+                          .current = {.s = s->q[coordinate] / m->unit[coordinate], .largest = km_longest_step}};
   if (d->c.substructure >= 0 && !allocate(d)) {
     km_driver_motion_free(d);
     return km_fail(error, KM_MEMORY, "out of memory for a sweep");
@@ -108,12 +108,12 @@ void km_driver_motion_save(km_driver_motion *d) {
 static bool restore_pivots(km_driver_motion *d) {
   km_state *s = d->c.state;
   int sub = d->c.substructure;
-  km_partition *p = &s->partition[sub];
-  if (d->current.pivot_driver != d->c.column || d->c.history.reference.search_count == 0)
+  km_factor *p = s->factor[sub];
+  if (d->current.pivot_driver != d->c.column || km_factor_search_count(d->c.history.reference) == 0)
     return false;
-  km_partition_copy_pivots(p, &d->c.history.reference);
+  km_factor_copy_pivots(p, d->c.history.reference);
   s->pivot_driver[sub] = d->c.column;
-  return km_partition_refactor(p, km_state_jacobian(s, km_driver_motion_substructure(d)));
+  return km_factor_refactor(p, km_state_jacobian(s, km_driver_motion_substructure(d)), KM_BASIS_SHORT);
 }
 
 void km_driver_motion_restore_snapshot(km_driver_motion *d, const km_driver_motion_snapshot *snapshot) {
@@ -136,7 +136,7 @@ void km_driver_motion_restore(km_driver_motion *d) {
 }
 
 bool km_driver_motion_save_passed(km_driver_motion *d) {
-  if (d->c.substructure < 0 || km_partition_freedom(&d->c.state->partition[d->c.substructure]) <= 1) {
+  if (d->c.substructure < 0 || km_factor_freedom(d->c.state->factor[d->c.substructure]) <= 1) {
     d->passed[0].is_set = d->passed[1].is_set = false;
     return true;
   }

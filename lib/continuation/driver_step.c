@@ -11,7 +11,7 @@
 #include "kinematics/loop_equations.h"
 
 static void remember_pivots(km_driver_motion *d) {
-  km_partition_copy_pivots(&d->c.history.reference, &d->c.state->partition[d->c.substructure]);
+  km_step_history_set_reference(&d->c.history, d->c.state->factor[d->c.substructure]);
 }
 
 bool km_driver_motion_start(km_driver_motion *d) {
@@ -19,8 +19,9 @@ bool km_driver_motion_start(km_driver_motion *d) {
   int worst;
   km_loops_update(d->c.mechanism, d->c.state, sub);
   double residual = km_loops_residual(d->c.mechanism, d->c.state, sub, &worst);
-  km_search_pivots_for_steps(d->c.mechanism, d->c.state, d->c.substructure, d->c.column,
-                             km_rank_tolerance(d->c.mechanism, sub, residual));
+  km_search_pivots_by(d->c.mechanism, d->c.state, d->c.substructure,
+                      &(km_pivoting){.driver = d->c.column, .basis = KM_BASIS_ANY},
+                      km_rank_tolerance(d->c.mechanism, sub, residual));
   km_constant_rank_begin(&d->c.constant_rank, d->c.mechanism, d->c.state, d->c.substructure, d->c.column, &d->arena);
   d->current.known = km_continuation_tangent(&d->c, NULL, d->c.history.t);
   remember_pivots(d);
@@ -31,21 +32,20 @@ bool km_driver_motion_start(km_driver_motion *d) {
 /* True if det(pivot block) changes its sign over the step. It does so, with one freedom, only at a configuration that
  * is singular for the driver; a change over a long step indicates a jump to another branch. */
 static bool sign_changed(km_driver_motion *d) {
-  const km_partition *p = &d->c.state->partition[d->c.substructure];
-  if (!km_continuation_has_single_freedom(&d->c, km_partition_freedom(p)) || p->rank != d->c.history.reference.rank)
+  const km_factor *p = d->c.state->factor[d->c.substructure];
+  km_factor *reference = d->c.history.reference;
+  if (!km_continuation_has_single_freedom(&d->c, km_factor_freedom(p)) ||
+      km_factor_rank(p) != km_factor_rank(reference))
     return false;
-  if (p->search_count == d->c.history.reference.search_count)
-    return p->sign != d->c.history.reference.sign;
-  int before = d->c.history.reference.sign;
-  km_partition_refactor_full_pattern(&d->c.history.reference,
-                                     km_state_jacobian(d->c.state, km_driver_motion_substructure(d)));
-  int after = d->c.history.reference.sign;
-  d->c.history.reference.sign = before;
-  return before != after;
+  if (km_factor_search_count(p) != km_factor_search_count(reference)) {
+    km_factor_refactor(reference, km_state_jacobian(d->c.state, km_driver_motion_substructure(d)), KM_BASIS_ANY);
+    p = reference;
+  }
+  return km_factor_sign(p) != d->c.history.sign;
 }
 
 static bool has_single_freedom(const km_driver_motion *d) {
-  return km_continuation_has_single_freedom(&d->c, km_partition_freedom(&d->c.history.reference));
+  return km_continuation_has_single_freedom(&d->c, km_factor_freedom(d->c.history.reference));
 }
 
 /* Rejections in a row before the implicit predictor is tried. */
@@ -69,7 +69,7 @@ static bool predict_implicit(km_driver_motion *d, double h) {
   d->error_ratio = km_minimum_norm_path_predict_implicit(d->closest, d->c.mechanism, d->c.state, d->c.substructure,
                                                          d->c.column, &d->c.history, h, d->c.move);
   km_state_restore(d->c.state, km_driver_motion_substructure(d), d->c.from);
-  km_partition_copy_pivots(&d->c.state->partition[d->c.substructure], &d->c.history.reference);
+  km_factor_copy_pivots(d->c.state->factor[d->c.substructure], d->c.history.reference);
   d->c.state->pivot_driver[d->c.substructure] = d->c.column;
   return d->implicit = d->error_ratio <= 1.0;
 }
@@ -84,7 +84,7 @@ static bool predict_minimum_norm_path(km_driver_motion *d, double h) {
   if (!(d->error_ratio <= 1.0)) {
     d->error_ratio =
         km_minimum_norm_path_predict_runge_kutta(&d->path, d->c.mechanism, d->c.state, d->c.substructure, d->c.column,
-                                                 &d->c.history.reference, d->c.from, d->c.history.t, h, d->c.move);
+                                                 d->c.history.reference, d->c.from, d->c.history.t, h, d->c.move);
     km_state_restore(d->c.state, sub, d->c.from);
   }
   return d->error_ratio <= 1.0 ||
@@ -95,13 +95,6 @@ double km_driver_step_slide_position(const km_driver_motion *d, int column) {
   const km_mechanism *m = d->c.mechanism;
   int c = m->column_coordinate[km_driver_motion_substructure(d)->column_start + column];
   return km_model_coordinate_is_length(m->model, c) ? d->c.state->q[c] / m->unit[c] : 0.0;
-}
-
-/* Returns the largest move of a column in one step: 0.6, for a distant slide a quarter of its distance, so that each
- * tenfold of the distance takes the same number of steps. */
-static double longest_move(const km_driver_motion *d, int column) {
-  static const double share = 0.25;
-  return km_larger(share * fabs(km_driver_step_slide_position(d, column)), km_driver_motion_longest_move);
 }
 
 /* Returns the coordinate of a slide that diverges: distance and rate above 1e3 and growing; -1: none. */
@@ -130,7 +123,8 @@ static bool predict(km_driver_motion *d, double h) {
   else
     is_within_error = predict_minimum_norm_path(d, h);
   for (int k = 0; k < sub->columns; ++k)
-    if (!(fabs(d->c.move[k]) <= km_driver_motion_longest_move) && !(fabs(d->c.move[k]) <= longest_move(d, k)))
+    /* A distant slide moves relative to its distance, so that each tenfold takes as many steps. */
+    if (!(fabs(d->c.move[k]) <= km_max_newton_step * km_larger(1.0, fabs(km_driver_step_slide_position(d, k)))))
       return false;
   return is_within_error;
 }
@@ -138,7 +132,7 @@ static bool predict(km_driver_motion *d, double h) {
 /* True if the start can be singular: with several freedoms a rank-deficient start leaves the tangent undetermined. */
 static bool may_be_singular(const km_driver_motion *d) {
   return !d->c.constant_rank.is_active && !has_single_freedom(d) && d->c.history.last_h == 0.0 &&
-         d->c.history.reference.rank < km_driver_motion_substructure(d)->rows;
+         km_factor_rank(d->c.history.reference) < km_driver_motion_substructure(d)->rows;
 }
 
 /* True if the predicted configuration violates the closure by over 100 times the predictor's error. */
@@ -159,13 +153,14 @@ static bool violates_closure(km_driver_motion *d) {
 /* True if the rank at the trial configuration differs from that of the start: the start was singular. */
 static bool rank_changed(km_driver_motion *d) {
   const km_substructure *sub = km_driver_motion_substructure(d);
-  km_partition *p = &d->c.state->partition[d->c.substructure];
-  km_search_pivots_for_steps(d->c.mechanism, d->c.state, d->c.substructure, d->c.column,
-                             km_rank_tolerance(d->c.mechanism, sub, 0.0));
-  int rank = p->rank;
-  km_partition_copy_pivots(p, &d->c.history.reference);
-  km_partition_refactor_full_pattern(p, km_state_jacobian(d->c.state, sub));
-  return rank != d->c.history.reference.rank;
+  km_factor *p = d->c.state->factor[d->c.substructure];
+  km_search_pivots_by(d->c.mechanism, d->c.state, d->c.substructure,
+                      &(km_pivoting){.driver = d->c.column, .basis = KM_BASIS_ANY},
+                      km_rank_tolerance(d->c.mechanism, sub, 0.0));
+  int rank = km_factor_rank(p);
+  km_factor_copy_pivots(p, d->c.history.reference);
+  km_factor_refactor(p, km_state_jacobian(d->c.state, sub), KM_BASIS_ANY);
+  return rank != km_factor_rank(d->c.history.reference);
 }
 
 /* Predicts and corrects a step to s + h; the state stays at the trial configuration. */
@@ -175,13 +170,11 @@ static km_attempt try_step(km_driver_motion *d, double h, double correction_rati
     return KM_ATTEMPT_TOO_LONG;
   if (!predict(d, h) || (may_be_singular(d) && !d->implicit && violates_closure(d)))
     return KM_ATTEMPT_TOO_LONG;
-  const km_step_terms terms = {
-      .parameter = d->current.s + h,
-      .most_correction = km_driver_motion_most_correction(
-          correction_ratio, km_step_length(d->c.mechanism, km_driver_motion_substructure(d), d->c.move)),
-      .least_cosine = km_driver_motion_least_cosine(correction_ratio),
-      .least_rank = d->c.history.reference.rank,
-      .leaves_end = d->current.stopped * h < 0.0};
+  km_step_terms terms =
+      km_step_terms_of(correction_ratio, km_step_length(d->c.mechanism, km_driver_motion_substructure(d), d->c.move));
+  terms.parameter = d->current.s + h;
+  terms.least_rank = km_factor_rank(d->c.history.reference);
+  terms.leaves_end = d->current.stopped * h < 0.0;
   km_step_outcome outcome = km_continuation_correct(&d->c, &terms);
   if (outcome != KM_STEP_ACCEPTED)
     return outcome == KM_STEP_OPEN ? KM_ATTEMPT_OPEN : KM_ATTEMPT_TOO_LONG;

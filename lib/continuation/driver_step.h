@@ -27,8 +27,8 @@ double km_driver_step_slide_position(const km_driver_motion *drive, int column);
  * *limit is then the coordinate at its limit or the diverging slide, if any. */
 km_attempt km_driver_motion_advance(km_driver_motion *drive, double h, double correction_ratio, int *limit);
 
-/* Records the present configuration as the start of a bridge, if the rejected step h is at least 5e-3 long: the
- * configuration is then still away from the singular one. */
+/* Records the present configuration as the start of a bridge, if the rejected step h is as long as the nodes around a
+ * singular configuration: it is then still away from the singular one. */
 void km_singular_bridge_record(km_driver_motion *drive, double h);
 /* Builds a bridge over the singular configuration near s, ahead of the motion in the direction side = ±1. Its centre
  * is s + lead h: lead is 0 if s itself is singular, less than 1 if s is the last regular value. True: the

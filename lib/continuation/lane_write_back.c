@@ -14,9 +14,10 @@ void km_batch_refresh_state(const km_batch *l, km_driver_motion *d) {
   double value = s->q[l->coordinate];
   s->q[l->coordinate] = l->current.closed_at.of[d->lane];
   km_loops_update(d->c.mechanism, s, sub);
-  km_partition_refactor(&s->partition[d->c.substructure], km_state_jacobian(s, sub));
+  km_factor *p = s->factor[d->c.substructure];
+  km_factor_refactor(p, km_state_jacobian(s, sub), KM_BASIS_SHORT);
   s->q[l->coordinate] = value;
-  km_state_null_space(d->c.mechanism, s, d->c.substructure, km_partition_freedom(&s->partition[d->c.substructure]));
+  km_factor_null_space(p, km_factor_freedom(p));
 }
 
 void km_driver_motion_write_back(km_driver_motion *d) {
@@ -51,7 +52,7 @@ void km_driver_motion_write_back(km_driver_motion *d) {
   km_batch_write_ball_joints(l, i);
   history->last_h = l->current.last_h.of[i];
   history->equal_count = (int)l->current.equal_count.of[i];
-  history->reference.sign = (int)l->sign.of[i];
+  history->sign = (int)l->sign.of[i];
   d->current.s = l->current.s.of[i];
   d->current.largest = l->current.largest.of[i];
   d->current.stopped = l->current.stopped.of[i];

@@ -51,20 +51,20 @@ static void combine_stages(const km_minimum_norm_path *path, const double *weigh
 }
 
 /* Computes the tangent at a stage, which is not closed: that of the primary rows, which keep their closure errors. */
-static bool compute_stage_rate(const km_mechanism *m, km_state *s, int index, int driver, const km_partition *pivots,
+static bool compute_stage_rate(const km_mechanism *m, km_state *s, int index, int driver, const km_factor *pivots,
                                double *rate) {
   const km_substructure *sub = &m->substructures[index];
-  km_partition *p = &s->partition[index];
+  km_factor *p = s->factor[index];
   km_loops_recompute(m, s, sub);
-  km_partition_copy_pivots(p, pivots);
-  if (!km_refactor_for_steps(m, s, index, true))
+  km_factor_copy_pivots(p, pivots);
+  if (!km_factor_refactor(p, km_state_jacobian(s, sub), KM_BASIS_ANY))
     return false;
   km_minimum_norm_rates(m, s, index, driver, rate);
   return true;
 }
 
 double km_minimum_norm_path_predict_runge_kutta(km_minimum_norm_path *path, const km_mechanism *m, km_state *s,
-                                                int index, int driver, const km_partition *pivots, const double *saved,
+                                                int index, int driver, const km_factor *pivots, const double *saved,
                                                 const double *t, double h, double *move) {
   const km_substructure *sub = &m->substructures[index];
   int columns = sub->columns;
@@ -86,7 +86,7 @@ double km_minimum_norm_path_predict_runge_kutta(km_minimum_norm_path *path, cons
   combine_stages(path, difference, KM_PATH_STAGES, columns, h, move);
   double error = km_max_norm(move, columns);
   combine_stages(path, km_path_fifth, KM_PATH_STAGES, columns, h, move);
-  km_partition_copy_pivots(&s->partition[index], pivots);
+  km_factor_copy_pivots(s->factor[index], pivots);
   s->pivot_driver[index] = driver;
   return error / (km_path_allowed * km_max_norm(move, columns) + km_path_rounding);
 }
@@ -176,7 +176,7 @@ double km_minimum_norm_path_predict_implicit(km_nearest_configuration *closest, 
     target[k] = extrapolated[k] - (has_last_step ? last_move_weight * c->last_move[k] : 0.0);
   }
   km_state_move(m, s, sub, extrapolated);
-  if (!km_nearest_configuration_find(closest, m, s, index, driver, &c->reference, target))
+  if (!km_nearest_configuration_find(closest, m, s, index, driver, c->reference, target))
     return HUGE_VAL;
   for (int k = 0; k < columns; ++k) {
     move[k] = target[k] + (has_last_step ? last_move_weight * c->last_move[k] : 0.0);

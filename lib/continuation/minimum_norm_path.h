@@ -31,9 +31,8 @@ bool km_minimum_norm_path_reserve(km_minimum_norm_path *path, int columns, km_ar
  * The error estimate is the difference of both orders. The state stays displaced as by km_state_move_aside, with
  * these pivots. */
 double km_minimum_norm_path_predict_runge_kutta(km_minimum_norm_path *path, const km_mechanism *mechanism,
-                                                km_state *state, int substructure, int driver,
-                                                const km_partition *pivots, const double *saved, const double *t,
-                                                double h, double *move);
+                                                km_state *state, int substructure, int driver, const km_factor *pivots,
+                                                const double *saved, const double *t, double h, double *move);
 /* Predicts the step by variable-step Adams-Bashforth: the integral of the polynomial through the last 4 or 5
  * tangents. The error estimate is the difference to one tangent less. HUGE_VAL with fewer than four tangents. The
  * state does not move. */

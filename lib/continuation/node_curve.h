@@ -8,6 +8,8 @@
 enum { KM_CURVE_NODES = 4 };
 /* u = (s - c) / h at the nodes; the singular configuration lies between the inner ones. */
 static const double km_node_place[KM_CURVE_NODES] = {-2.0, -1.0, 1.0, 2.0};
+/* Distance between the outer nodes of the shortest curve: a singular configuration is bracketed to it. */
+#define KM_SINGULAR_BRACKET (4.0 * km_singular_step)
 
 typedef struct km_node_curve {
   double c, h;                            /* s = c + u h */

@@ -14,8 +14,7 @@
 #include <string.h>
 
 bool km_step_history_reserve(km_step_history *history, const km_continuation *c, km_arena *arena) {
-  const km_substructure *sub = km_continuation_sub(c);
-  size_t n = (size_t)sub->columns;
+  size_t n = (size_t)km_continuation_sub(c)->columns;
   history->t = KM_ARENA_NEW(arena, double, n);
   history->last_t = KM_ARENA_NEW(arena, double, n);
   history->last_move = KM_ARENA_NEW(arena, double, n);
@@ -24,8 +23,8 @@ bool km_step_history_reserve(km_step_history *history, const km_continuation *c,
   history->remaining_step = KM_ARENA_NEW(arena, double, n);
   for (int i = 0; i < KM_CURVE_MOVES; ++i)
     history->moves[i] = KM_ARENA_NEW(arena, double, n);
-  return km_partition_reserve_like(&history->reference, &c->state->partition[c->substructure], sub->rows, sub->columns,
-                                   arena);
+  history->reference = km_factor_create_like(c->state->factor[c->substructure], arena);
+  return history->reference != NULL;
 }
 
 void km_step_history_copy(km_step_history *to, const km_step_history *from, int columns) {
@@ -43,7 +42,13 @@ void km_step_history_copy(km_step_history *to, const km_step_history *from, int 
   to->equal_count = from->equal_count;
   for (int i = 0; i < from->equal_count; ++i)
     memcpy(to->moves[i], from->moves[i], bytes);
-  km_partition_copy_pivots(&to->reference, &from->reference);
+  to->sign = from->sign;
+  km_factor_copy_pivots(to->reference, from->reference);
+}
+
+void km_step_history_set_reference(km_step_history *history, const km_factor *factor) {
+  km_factor_copy_pivots(history->reference, factor);
+  history->sign = km_factor_sign(factor);
 }
 
 void km_step_history_begin(km_step_history *history, int columns) {
@@ -67,14 +72,14 @@ double km_continuation_dot(const km_continuation *c, const double *a, const doub
 }
 
 bool km_continuation_tangent(km_continuation *c, const double *along, double *t) {
-  const km_partition *p = &c->state->partition[c->substructure];
+  const km_factor *p = c->state->factor[c->substructure];
   if (c->constant_rank.is_active)
     return km_constant_rank_tangent(&c->constant_rank, c->mechanism, c->substructure, c->column, along, t);
   if (c->column < 0) {
     memmove(t, along, (size_t)km_continuation_sub(c)->columns * sizeof *t);
     return km_tangent_project(c->mechanism, c->state, c->substructure, t, c->work) > 1e-6;
   }
-  if (p->forced_dependent)
+  if (km_factor_has_forced_pivot(p))
     return false;
   km_minimum_norm_rates(c->mechanism, c->state, c->substructure, c->column, t);
   return true;
@@ -136,7 +141,8 @@ static bool close_loops(km_continuation *c, km_closure *evidence) {
   if (c->constant_rank.is_active)
     return km_constant_rank_close(&c->constant_rank, c->mechanism, c->state, c->substructure, c->column, evidence);
   if (c->column < 0 && c->history.last_h == 0.0)
-    return km_close_fully(km_loops_close, c->mechanism, c->state, c->substructure, c->column, evidence) == KM_CLOSED;
+    return km_loops_close_fully(c->mechanism, c->state, c->substructure, &(km_pivoting){.driver = c->column},
+                                evidence) == KM_CLOSED;
   return km_loops_close(c->mechanism, c->state, c->substructure, c->column, evidence) == KM_CLOSED;
 }
 
@@ -150,8 +156,8 @@ km_step_outcome km_continuation_correct(km_continuation *c, const km_step_terms 
     return KM_STEP_OPEN;
   memcpy(c->next_remaining_step, evidence.last_step,
          (size_t)km_continuation_sub(c)->columns * sizeof *c->next_remaining_step);
-  const km_partition *p = &c->state->partition[c->substructure];
-  if (p->rank < terms->least_rank || (km_continuation_is_singular(p) && !terms->leaves_end))
+  const km_factor *p = c->state->factor[c->substructure];
+  if (km_factor_rank(p) < terms->least_rank || (km_continuation_is_singular(p) && !terms->leaves_end))
     return KM_STEP_OPEN; /* no unique tangent in a singular configuration */
   double along = km_continuation_dot(c, t, next);
   double cosine = along / sqrt(km_continuation_dot(c, t, t) * km_continuation_dot(c, next, next));
@@ -165,6 +171,14 @@ int km_continuation_limit(const km_continuation *c, double h) {
     return -1;
   int passed = km_state_limit_passed(c->state, sub, c->from);
   return passed >= 0 ? passed : km_state_limit_touched(c->state, sub, c->from, c->history.t, c->next_t, h);
+}
+
+double km_continuation_step_to_limit(const km_continuation *c, int coordinate) {
+  const km_mechanism *m = c->mechanism;
+  double q = c->state->q[coordinate], low = m->low[coordinate], high = m->high[coordinate];
+  double gap = ((fabs(high - q) < fabs(q - low) ? high : low) - q) / m->unit[coordinate] /
+               c->history.t[m->column_of[coordinate]];
+  return m->ball_of[coordinate] < 0 && fabs(gap) < km_singular_pivot ? gap : 0.0;
 }
 
 /* Shifts the tangents of earlier steps for Adams-Bashforth; returns the vector that drops out. A reversal clears
@@ -203,7 +217,7 @@ static void push_move(km_continuation *c, double h) {
 
 void km_continuation_accept(km_continuation *c, double h) {
   km_step_history *history = &c->history;
-  bool single_freedom = km_partition_freedom(&c->state->partition[c->substructure]) <= 1;
+  bool single_freedom = km_factor_freedom(c->state->factor[c->substructure]) <= 1;
   double *spare = push_older_tangents(history, h, single_freedom);
   km_state_difference(c->state, km_continuation_sub(c), c->from, history->last_move);
   if (single_freedom)
@@ -214,7 +228,7 @@ void km_continuation_accept(km_continuation *c, double h) {
   history->t = c->next_t;
   c->next_t = spare;
   history->last_h = h;
-  km_partition_copy_pivots(&history->reference, &c->state->partition[c->substructure]);
+  km_step_history_set_reference(history, c->state->factor[c->substructure]);
 }
 
 void km_continuation_reject(km_continuation *c) {

@@ -10,18 +10,22 @@
 
 #include "base/number/tolerances.h"
 #include "continuation/hermite_curve.h"
-#include "kinematics/state.h"
+#include "kinematics/loop_closing.h"
 #include "local/constant_rank.h"
 
-/* True if the last pivot is below 1e-7 of the largest entry: the tangent is then determined by rounding errors. */
-static inline bool km_continuation_is_singular(const km_partition *p) {
-  static const double singular = 1e-7;
-  return p->last_pivot < singular * p->scale;
+/* Pivot, relative to the largest entry, below which a configuration is singular: rounding errors then determine the
+ * tangent. */
+static const double km_singular_pivot = 1e-7;
+static inline bool km_continuation_is_singular(const km_factor *p) {
+  const km_factor_evidence evidence = km_factor_get_evidence(p);
+  return evidence.last_pivot < km_singular_pivot * evidence.scale;
 }
 
 /* First step beside a singular configuration, distance of the configurations by which it is located, and shortest first
  * step towards a new target: radians or substructure sizes. */
 static const double km_singular_step = 1e-3;
+/* Longest step of a parameter, the move of a coordinate being at most km_max_newton_step: radians or sizes. */
+static const double km_longest_step = 0.3;
 
 /* Extrapolation limit: the history predicts steps of at most this many previous step lengths (theory 4.5). */
 static const double km_continuation_extrapolation_limit = 4.0;
@@ -45,7 +49,8 @@ typedef struct km_step_history {
   double *remaining_step, *moves[KM_CURVE_MOVES]; /* [columns] */
   int equal_count;                                /* number of last steps with equal length, at most KM_CURVE_MOVES */
   /* pivots of the present configuration, for the sign test of det(pivot block) */
-  km_partition reference;
+  int sign; /* sign of the pivot block at the last configuration */
+  km_factor *reference;
 } km_step_history;
 
 typedef struct km_continuation {
@@ -62,6 +67,10 @@ typedef struct km_continuation {
   double *work;                   /* [columns] */
 } km_continuation;
 
+/* Largest |D correction| / |D move| of a driven step, and of one that leads by arc length or over a singular
+ * configuration, where another branch is near. */
+static const double km_correction_ratio = 0.25, km_strict_correction_ratio = 0.05;
+
 /* Conditions under which a corrected step is accepted. */
 typedef struct km_step_terms {
   double parameter;       /* value of the driver at the end of the step, scaled */
@@ -70,6 +79,16 @@ typedef struct km_step_terms {
   int least_rank;         /* smallest rank; a lower one means a singular configuration */
   bool leaves_end;        /* the step leads back from a located turning point, where new pivots can look singular */
 } km_step_terms;
+
+/* Least cosine between the tangents of a step. */
+static inline double km_least_step_cosine(double correction_ratio) {
+  return 1.0 - correction_ratio * 0.4;
+}
+/* Terms of a step with |D move| = length. */
+static inline km_step_terms km_step_terms_of(double correction_ratio, double length) {
+  return (km_step_terms){.most_correction = correction_ratio * length + km_step_tolerance,
+                         .least_cosine = km_least_step_cosine(correction_ratio)};
+}
 
 typedef enum km_step_outcome {
   KM_STEP_ACCEPTED,
@@ -99,6 +118,8 @@ static inline bool km_continuation_has_single_freedom(const km_continuation *c, 
  * false if less than 1e-6 of it remains. */
 bool km_continuation_tangent(km_continuation *continuation, const double *along, double *t);
 
+/* Sets the reference to the pivots of a factor. */
+void km_step_history_set_reference(km_step_history *history, const km_factor *factor);
 /* Clears the history: the next prediction uses the tangent alone. */
 void km_step_history_begin(km_step_history *history, int columns);
 
@@ -112,6 +133,9 @@ km_step_outcome km_continuation_correct(km_continuation *continuation, const km_
 /* Returns the coordinate that is beyond its limit at the trial configuration or, by the cubic, within the step; -1:
  * none. */
 int km_continuation_limit(const km_continuation *continuation, double h);
+/* Returns the step that leads to the nearer limit of a coordinate at its present rate, where the limit was found to
+ * 1e-7; 0: none. Two such steps leave rounding only. */
+double km_continuation_step_to_limit(const km_continuation *continuation, int coordinate);
 /* Accepts the trial configuration: it enters the history and next_t becomes the present tangent. */
 void km_continuation_accept(km_continuation *continuation, double h);
 /* Rejects the trial configuration: the state returns to the start of the step. */

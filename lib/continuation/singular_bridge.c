@@ -24,15 +24,13 @@ static double allowed_deviation(const km_driver_motion *d) {
 
 /* Closes the loops with the driver fixed by the rows whose pivots stay away from 0 on the stretch. */
 static bool close_independent_rows(km_driver_motion *d, double *correction) {
-  static const double independent = 1e-5; /* relative pivot: those at the ends of the stretch are larger */
-  km_partition *p = &d->c.state->partition[d->c.substructure];
-  const double snapshot = p->min_relative_pivot;
+  const km_pivoting pivoting = {.driver = d->c.column,
+                                .driver_never_pivot = true,
+                                .min_relative_pivot = km_significant_ratio * km_singular_pivot};
   km_closure evidence;
   int worst;
   km_state_invalidate_pivots(d->c.state, d->c.substructure);
-  p->min_relative_pivot = km_larger(independent, snapshot);
-  km_close_with_driver(d->c.mechanism, d->c.state, d->c.substructure, d->c.column, &evidence);
-  p->min_relative_pivot = snapshot;
+  km_loops_close_by(d->c.mechanism, d->c.state, d->c.substructure, &pivoting, &evidence);
   *correction = evidence.correction;
   km_state_invalidate_pivots(d->c.state, d->c.substructure);
   km_loops_update(d->c.mechanism, d->c.state, km_driver_motion_substructure(d));
@@ -86,7 +84,7 @@ static bool advance_in_steps(km_driver_motion *d, double s, double most) {
   double step = most;
   for (int i = 0; i < MOST_ATTEMPTS && step > km_step_tolerance && d->current.s != s; ++i) {
     double left = s - d->current.s, h = km_driver_motion_reaches(left, step) ? left : copysign(step, left);
-    bool is_accepted = km_driver_motion_advance(d, h, km_driver_motion_correction_ratio, &limit) == KM_ATTEMPT_ACCEPTED;
+    bool is_accepted = km_driver_motion_advance(d, h, km_correction_ratio, &limit) == KM_ATTEMPT_ACCEPTED;
     if (is_accepted && h == left) {
       d->current.s = s;
       km_continuation_set_driver(&d->c, s);
@@ -106,18 +104,17 @@ static bool find_nodes(km_driver_motion *d, double c, double h) {
   for (int i = 0; i < KM_CURVE_NODES; ++i) {
     double s = c + km_node_place[i] * h;
     d->crosses_singular = 2 * i == KM_CURVE_NODES;
-    bool is_reached = d->crosses_singular
-                          ? km_driver_motion_advance(d, s - d->current.s, km_driver_motion_crossing_correction_ratio,
-                                                     &limit) == KM_ATTEMPT_ACCEPTED
-                          : advance_in_steps(d, s, fabs(h));
+    bool is_reached = d->crosses_singular ? km_driver_motion_advance(d, s - d->current.s, km_strict_correction_ratio,
+                                                                     &limit) == KM_ATTEMPT_ACCEPTED
+                                          : advance_in_steps(d, s, fabs(h));
     d->crosses_singular = false;
     if (!is_reached)
       return false;
     d->current.s = s;
     km_continuation_set_driver(&d->c, s);
     km_node_curve_record(&d->bridge.curve, &d->c, i, d->c.history.t);
-    const km_partition *p = &d->c.state->partition[d->c.substructure];
-    d->bridge.smallest_pivot = km_smaller(d->bridge.smallest_pivot, p->last_pivot / p->scale);
+    const km_factor_evidence e = km_factor_get_evidence(d->c.state->factor[d->c.substructure]);
+    d->bridge.smallest_pivot = km_smaller(d->bridge.smallest_pivot, e.last_pivot / e.scale);
   }
   return true;
 }
@@ -133,8 +130,7 @@ static bool is_turning_point(const km_driver_motion *d) {
 }
 
 void km_singular_bridge_record(km_driver_motion *d, double h) {
-  static const double shortest_recorded = 5e-3;
-  if (fabs(h) < shortest_recorded)
+  if (fabs(h) < KM_SINGULAR_BRACKET)
     return;
   km_state_save(d->c.state, km_driver_motion_substructure(d), d->regular.pose);
   d->regular.s = d->current.s;
@@ -168,7 +164,6 @@ static bool is_decisive(const km_driver_motion *d) {
 }
 
 bool km_singular_bridge_build(km_driver_motion *d, double s, double side, double lead) {
-  static const double longest = 0.13;
   const bool ignore_limits = d->c.ignore_limits;
   const int crossings = d->current.crossings;
   bool built = false;
@@ -178,7 +173,7 @@ bool km_singular_bridge_build(km_driver_motion *d, double s, double side, double
   km_driver_motion_store(d, &d->before_bridge);
   d->c.ignore_limits = true;
   for (int pass = 0; pass < 2 && !built; ++pass)
-    for (double h = km_singular_step; h < longest && !built; h *= 2.0)
+    for (double h = km_singular_step; 2.0 * h < km_longest_step && !built; h *= 2.0)
       built = return_to_regular(d) && find_nodes(d, s + lead * side * h, side * h) && (pass > 0 || is_decisive(d)) &&
               km_node_curve_highest_coefficient(&d->bridge.curve, &d->c) <= allowed_deviation(d) &&
               closes_near_interpolant(d);

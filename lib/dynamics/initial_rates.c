@@ -26,15 +26,15 @@ static const double rounding = 1e-13;
 static void prescribed_part(const km_dynamics *d, const km_state *s, int index, double *x, double *direction) {
   const km_mechanism *m = d->mechanism;
   const km_substructure *sub = &m->substructures[index];
-  const km_partition *p = &s->partition[index];
+  const km_factor *p = s->factor[index];
   const int *coordinate = m->column_coordinate + sub->column_start;
   for (int k = 0; k < sub->columns; ++k)
     x[k] = 0.0;
-  for (int k = p->rank; k < p->columns; ++k) {
-    int c = coordinate[p->column[k]];
+  for (int k = km_factor_rank(p); k < sub->columns; ++k) {
+    int c = coordinate[km_factor_column_order(p)[k]];
     if (!d->driven[c])
       continue;
-    km_partition_null_vector(p, p->column[k], direction);
+    km_factor_null_vector(p, km_factor_column_order(p)[k], direction);
     for (int i = 0; i < sub->columns; ++i)
       x[i] += s->rate[c] / m->unit[c] * direction[i];
   }
@@ -156,7 +156,7 @@ static bool fit(rate_fit *f) {
 static bool project(km_dynamics *d, km_state *s, int index, double *changed, double *size) {
   const km_mechanism *m = d->mechanism;
   const km_substructure *sub = &m->substructures[index];
-  const km_partition *p = &s->partition[index];
+  km_factor *p = s->factor[index];
   rate_fit f = {.s = s,
                 .sub = sub,
                 .coordinate = m->column_coordinate + sub->column_start,
@@ -166,10 +166,10 @@ static bool project(km_dynamics *d, km_state *s, int index, double *changed, dou
   prescribed_part(d, s, index, f.v, s->projection);
   for (int k = 0; k < sub->columns; ++k)
     f.target[k] = s->rate[f.coordinate[k]] / m->unit[f.coordinate[k]];
-  f.count = km_partition_freedom(p);
-  for (int k = p->rank; k < p->columns; ++k)
-    f.count -= d->driven[f.coordinate[p->column[k]]];
-  f.Z = km_state_null_space(m, s, index, f.count);
+  f.count = km_factor_freedom(p);
+  for (int k = km_factor_rank(p); k < sub->columns; ++k)
+    f.count -= d->driven[f.coordinate[km_factor_column_order(p)[k]]];
+  f.Z = km_factor_null_space(p, f.count);
   if ((!f.Z && f.count > 0) || !fit(&f))
     return false;
   for (int k = 0; k < sub->columns; ++k) {

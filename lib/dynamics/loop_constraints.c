@@ -20,22 +20,26 @@ static const double loop_rounding = 1e-15; /* rounding error of a closure error 
 /* Approximate reduction of the error by a Newton step with the pivots of the previous evaluation. */
 static const double old_pivot_gain = 20.0;
 
-static double largest_primary(const km_partition *p, const double *error) {
+static double largest_primary(const km_factor *p, const double *error) {
+  const int rank = km_factor_rank(p), *row = km_factor_row_order(p);
   double largest = 0.0;
-  for (int i = 0; i < p->rank; ++i)
-    largest = km_larger_or_nan(fabs(error[p->row[i]]), largest);
+  for (int i = 0; i < rank; ++i)
+    largest = km_larger_or_nan(fabs(error[row[i]]), largest);
   return largest;
 }
 
 /* Factors the present Jacobian, with the columns in s->forced kept independent if possible. False: they can't be. */
-static bool factor_jacobian(const km_mechanism *m, km_state *s, int index) {
+static bool factor_jacobian(const km_mechanism *m, km_state *s, int index, double growth_reference) {
   const km_substructure *sub = &m->substructures[index];
-  km_partition *p = &s->partition[index];
+  km_factor *p = s->factor[index];
   int worst;
-  double tolerance = km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst));
-  km_partition_factor(p, km_state_jacobian(s, sub), sub->rows, sub->columns, s->forced, tolerance);
+  const km_factor_options options = {.tolerance = km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst)),
+                                     .forced = s->forced,
+                                     .locked = km_state_locked_columns(s, index),
+                                     .growth_reference = growth_reference};
+  km_factor_compute(p, km_state_jacobian(s, sub), sub->rows, sub->columns, &options);
   memset(s->forced, 0, (size_t)sub->columns * sizeof *s->forced);
-  return !p->failed && !p->forced_dependent;
+  return !km_factor_has_failed(p) && !km_factor_has_forced_pivot(p);
 }
 
 /* Finds a new partition at the present Jacobian; prescribed columns stay independent. */
@@ -46,30 +50,29 @@ static bool find_partition(km_dynamics *d, km_state *s, int index) {
     s->forced[k] = d->driven[coordinate[k]];
   s->pivot_driver[index] = KM_PRESCRIBED;
   d->repartitions[index]++;
-  bool found = factor_jacobian(d->mechanism, s, index);
-  const km_partition *p = &s->partition[index];
-  for (int i = 0; i < p->rank && !found && p->forced_dependent; ++i)
-    if (d->driven[coordinate[p->column[i]]])
-      d->overprescribed = coordinate[p->column[i]];
+  bool found = factor_jacobian(d->mechanism, s, index, 0.0);
+  const km_factor *p = s->factor[index];
+  for (int i = 0; i < km_factor_rank(p) && !found && km_factor_has_forced_pivot(p); ++i)
+    if (d->driven[coordinate[km_factor_column_order(p)[i]]])
+      d->overprescribed = coordinate[km_factor_column_order(p)[i]];
   return found;
 }
 
 /* Refactors with another pivot order for the same partition, if its B is acceptable and only pivots became small. */
 static bool repivot_partition(const km_mechanism *m, km_state *s, int index) {
-  km_partition *p = &s->partition[index];
-  double pivoted_b = p->max_b_at_search;
-  if (!km_is_b_growth_acceptable(p->max_b, pivoted_b))
+  const km_factor *p = s->factor[index];
+  const km_factor_evidence evidence = km_factor_get_evidence(p);
+  if (!km_is_b_growth_acceptable(evidence.max_b, evidence.max_b_at_search))
     return false;
-  for (int i = p->rank; i < p->columns; ++i)
-    s->forced[p->column[i]] = true;
-  bool kept = factor_jacobian(m, s, index);
-  p->max_b_at_search = pivoted_b; /* the partition itself is not newer */
-  return kept;
+  for (int i = km_factor_rank(p); i < m->substructures[index].columns; ++i)
+    s->forced[km_factor_column_order(p)[i]] = true;
+  return factor_jacobian(m, s, index, evidence.max_b_at_search); /* the partition itself is not newer */
 }
 
 /* True if the pivots are acceptable until the end of the step: max|B| has grown at most eightfold. */
-static bool is_usable_within_step(const km_partition *p) {
-  return p->max_b <= max_growth * fmax(p->max_b_at_search, 1.0);
+static bool is_usable_within_step(const km_factor *p) {
+  const km_factor_evidence evidence = km_factor_get_evidence(p);
+  return evidence.max_b <= max_growth * fmax(evidence.max_b_at_search, 1.0);
 }
 
 /* Repartitions during a motion. First the dependent rates are computed with the old pivots, so that the motion does
@@ -77,17 +80,17 @@ static bool is_usable_within_step(const km_partition *p) {
 static bool change_pivots(km_dynamics *d, km_state *s, int index) {
   const km_mechanism *m = d->mechanism;
   const int *coordinate = m->column_coordinate + m->substructures[index].column_start;
-  const km_partition *p = &s->partition[index];
-  bool follows = !d->uses_baumgarte && isfinite(p->max_b);
-  memset(d->step, 0, (size_t)p->rank * sizeof *d->step);
-  for (int k = 0; k < km_partition_freedom(p) && follows; ++k) {
-    const double *B = km_partition_b(p, k);
-    int c = coordinate[p->column[p->rank + k]];
-    for (int i = 0; i < p->rank; ++i)
+  const km_factor *p = s->factor[index];
+  bool follows = !d->uses_baumgarte && isfinite(km_factor_get_evidence(p).max_b);
+  memset(d->step, 0, (size_t)km_factor_rank(p) * sizeof *d->step);
+  for (int k = 0; k < km_factor_freedom(p) && follows; ++k) {
+    const double *B = km_factor_b(p, k);
+    int c = coordinate[km_factor_column_order(p)[km_factor_rank(p) + k]];
+    for (int i = 0; i < km_factor_rank(p); ++i)
       d->step[i] -= B[i] * s->rate[c] / m->unit[c];
   }
-  for (int i = 0; i < p->rank && follows; ++i)
-    s->rate[coordinate[p->column[i]]] = d->step[i] * m->unit[coordinate[p->column[i]]];
+  for (int i = 0; i < km_factor_rank(p) && follows; ++i)
+    s->rate[coordinate[km_factor_column_order(p)[i]]] = d->step[i] * m->unit[coordinate[km_factor_column_order(p)[i]]];
   d->changed_pivots = true;
   return find_partition(d, s, index);
 }
@@ -96,7 +99,7 @@ static bool change_pivots(km_dynamics *d, km_state *s, int index) {
 static bool step_dependent(km_dynamics *d, km_state *s, int index) {
   const km_substructure *sub = &d->mechanism->substructures[index];
   double size = 0.0;
-  km_partition_solve(&s->partition[index], km_state_error(s, sub), d->step);
+  km_factor_solve(s->factor[index], km_state_error(s, sub), d->step);
   for (int k = 0; k < sub->columns; ++k) {
     d->step[k] = -d->step[k];
     size = fabs(d->step[k]) <= size ? size : fabs(d->step[k]);
@@ -109,23 +112,20 @@ static bool step_dependent(km_dynamics *d, km_state *s, int index) {
 }
 
 /* Largest reciprocal of a pivot: growth of a loop error in the coordinates. */
-static double weakness_of(const km_partition *p) {
-  double largest = 1.0;
-  for (int i = 0; i < p->rank; ++i)
-    largest = fmax(largest, fabs(p->inverse[i]));
-  return largest;
+static double weakness_of(const km_factor *p) {
+  return fmax(1.0, 1.0 / km_factor_smallest_pivot(p));
 }
 
 /* Error at which loops count as closed, reduced by the weakness of the constraints. */
-static double closing_target(const km_dynamics *d, const km_partition *p, bool search) {
+static double closing_target(const km_dynamics *d, const km_factor *p, bool search) {
   return fmax((search ? accepted_tolerance : d->closing_tolerance) / weakness_of(p), loop_rounding);
 }
 
 /* Refactors the present Jacobian with the present pivots; finds others if they became unacceptable at an accepted
  * configuration. */
 static bool refactor(km_dynamics *d, km_state *s, int index, bool search) {
-  km_partition *p = &s->partition[index];
-  if (km_partition_refactor(p, km_state_jacobian(s, &d->mechanism->substructures[index])))
+  km_factor *p = s->factor[index];
+  if (km_factor_refactor(p, km_state_jacobian(s, &d->mechanism->substructures[index]), KM_BASIS_SHORT))
     return true;
   d->stale = true;
   if (!search)
@@ -134,10 +134,10 @@ static bool refactor(km_dynamics *d, km_state *s, int index, bool search) {
 }
 
 /* True if the prescribed columns are independent; the state's pivots can come from other equations of motion. */
-static bool are_prescribed_independent(const km_dynamics *d, const km_partition *p, int index) {
+static bool are_prescribed_independent(const km_dynamics *d, const km_factor *p, int index) {
   const int *coordinate = d->mechanism->column_coordinate + d->mechanism->substructures[index].column_start;
-  for (int i = 0; i < p->rank; ++i)
-    if (d->driven[coordinate[p->column[i]]])
+  for (int i = 0; i < km_factor_rank(p); ++i)
+    if (d->driven[coordinate[km_factor_column_order(p)[i]]])
       return false;
   return true;
 }
@@ -146,7 +146,7 @@ static bool are_prescribed_independent(const km_dynamics *d, const km_partition 
  * the error. Pivots and Jacobian are finally those of the closed configuration. */
 static bool close_loops(km_dynamics *d, km_state *s, int index, bool search) {
   const km_substructure *sub = &d->mechanism->substructures[index];
-  km_partition *p = &s->partition[index];
+  km_factor *p = s->factor[index];
   km_loops_recompute(d->mechanism, s, sub);
   bool is_valid = s->pivot_driver[index] == KM_PRESCRIBED && are_prescribed_independent(d, p, index);
   if (!is_valid && !find_partition(d, s, index))
@@ -204,7 +204,7 @@ static bool list_independent(km_dynamics *d, const km_state *s, int index) {
   for (int i = 0; i < cluster->substructure_count; ++i) {
     int sub = d->tree.substructure_order[cluster->substructure_start + i];
     in_substructures += m->substructures[sub].columns;
-    count += (size_t)km_partition_freedom(&s->partition[sub]);
+    count += (size_t)km_factor_freedom(s->factor[sub]);
   }
   count += (size_t)(cluster->coordinate_count - in_substructures);
   if (!reserve_cluster(d, c, cluster, count))
@@ -213,10 +213,10 @@ static bool list_independent(km_dynamics *d, const km_state *s, int index) {
   for (int pass = 0; pass < 2; ++pass) {
     for (int i = 0, first = 0; i < cluster->substructure_count; ++i) {
       int sub = d->tree.substructure_order[cluster->substructure_start + i];
-      const km_partition *p = &s->partition[sub];
-      for (int o = p->rank; o < p->columns; ++o)
-        if (d->driven[coordinates[first + p->column[o]]] == (pass == 1))
-          c->independent[k++] = first + p->column[o];
+      const km_factor *p = s->factor[sub];
+      for (int o = km_factor_rank(p); o < m->substructures[sub].columns; ++o)
+        if (d->driven[coordinates[first + km_factor_column_order(p)[o]]] == (pass == 1))
+          c->independent[k++] = first + km_factor_column_order(p)[o];
       first += m->substructures[sub].columns;
     }
     for (int o = in_substructures; o < cluster->coordinate_count; ++o)
@@ -245,14 +245,14 @@ static void compute_N(km_dynamics *d, const km_state *s, int index) {
     N[own] = 1.0;
     if (sub < 0)
       continue;
-    const km_partition *p = &s->partition[sub];
-    int column = m->column_of[coordinates[own]], first = own - column, position = p->rank;
-    while (p->column[position] != column)
+    const km_factor *p = s->factor[sub];
+    int column = m->column_of[coordinates[own]], first = own - column, position = km_factor_rank(p);
+    while (km_factor_column_order(p)[position] != column)
       ++position;
-    const double *B = km_partition_b(p, position - p->rank);
+    const double *B = km_factor_b(p, position - km_factor_rank(p));
     double inverse = 1.0 / m->unit[coordinates[own]];
-    for (int i = 0; i < p->rank; ++i) {
-      int dependent = first + p->column[i];
+    for (int i = 0; i < km_factor_rank(p); ++i) {
+      int dependent = first + km_factor_column_order(p)[i];
       N[dependent] = -B[i] * m->unit[coordinates[dependent]] * inverse;
     }
   }
@@ -309,7 +309,7 @@ static void compute_gamma(km_dynamics *d, km_state *s, int index) {
     km_loops_velocity_products(m, s, sub, s->rate, d->row);
     if (d->uses_baumgarte)
       add_baumgarte(d, s, sub);
-    km_partition_solve(&s->partition[index_of], d->row, d->step);
+    km_factor_solve(s->factor[index_of], d->row, d->step);
     for (int k = 0; k < sub->columns; ++k)
       c->gamma[first + k] = m->unit[coordinates[first + k]] * d->step[k];
     first += sub->columns;

@@ -31,7 +31,7 @@ static double of_dense(const km_dynamics *d, const km_state *s) {
   for (int i = 0; i < d->mechanism->coordinate_count; ++i)
     size += !d->mechanism->held[i];
   for (int i = 0; i < d->mechanism->topology.substructure_count; ++i)
-    size += s->partition[i].rank;
+    size += km_factor_rank(s->factor[i]);
   for (int n = 1; n < tree->node_count; ++n)
     for (int up = n, freedom = tree->nodes[n].freedom; up > 0; up = tree->nodes[up].parent)
       sum += freedom * OF_SCREW * tree->nodes[up].freedom + (up == n ? freedom * OF_BODY : 0.0);
@@ -44,7 +44,7 @@ km_effort km_dynamics_effort(const km_dynamics *d, const km_state *s) {
     return out;
   out.multiplications = 0.0;
   for (int i = 0; i < d->mechanism->topology.substructure_count; ++i)
-    out.multiplications += km_partition_multiplications(&s->partition[i]);
+    out.multiplications += km_factor_multiplications(s->factor[i]);
   for (int i = 0; i < d->tree.cluster_count; ++i)
     out.multiplications += of_cluster(d, i);
   out.dense = of_dense(d, s);

@@ -21,7 +21,7 @@
 static const double max_rounding_misfit = 5e-3;
 
 static km_closure_outcome close_fully(const km_mechanism *m, km_state *s, int index, km_closure *evidence) {
-  return km_close_fully(km_loops_close, m, s, index, KM_NO_DRIVER, evidence);
+  return km_loops_close_fully(m, s, index, &(km_pivoting){.driver = KM_NO_DRIVER}, evidence);
 }
 
 /* Levenberg-Marquardt from the present configuration, then full closing by Newton's method. */
@@ -99,7 +99,7 @@ static int find_violating_loop(const km_mechanism *m, const km_substructure *sub
 static double second_order_closing(const km_mechanism *m, km_state *s, int index, const double *step,
                                    km_arena *scratch) {
   const km_substructure *sub = &m->substructures[index];
-  const km_partition *p = &s->partition[index];
+  const km_factor *p = s->factor[index];
   size_t rows = (size_t)sub->rows, columns = (size_t)sub->columns;
   double *rate = KM_ARENA_NEW(scratch, double, (size_t)m->coordinate_count);
   double *gamma = KM_ARENA_NEW(scratch, double, rows), *x = KM_ARENA_NEW(scratch, double, columns);
@@ -111,10 +111,10 @@ static double second_order_closing(const km_mechanism *m, km_state *s, int index
     rate[c] = step[k] * m->unit[c];
   }
   km_loops_velocity_products(m, s, sub, rate, gamma);
-  km_partition_solve(p, gamma, x);
+  km_factor_solve(p, gamma, x);
   km_state_jacobian_dense(s, sub, J);
-  for (int i = p->rank; i < sub->rows; ++i) {
-    size_t r = (size_t)p->row[i];
+  for (int i = km_factor_rank(p); i < sub->rows; ++i) {
+    size_t r = (size_t)km_factor_row_order(p)[i];
     double error = km_state_error(s, sub)[r], change = gamma[r];
     for (size_t k = 0; k < columns; ++k)
       change -= J[k * rows + r] * x[k];
@@ -216,8 +216,8 @@ static tolerance_trial try_tolerance(const km_mechanism *m, int index, double to
     result.misfit = evidence.residual;
     km_update_and_search_pivots(other, s, index, KM_NO_DRIVER,
                                 evidence.residual); /* the pivots of the closure may belong to another configuration */
-    result.rank = s->partition[index].rank;
-    result.freedom = km_partition_freedom(&s->partition[index]);
+    result.rank = km_factor_rank(s->factor[index]);
+    result.freedom = km_factor_freedom(s->factor[index]);
   }
   km_state_free(s);
   km_mechanism_free(other);

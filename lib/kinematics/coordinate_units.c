@@ -6,7 +6,7 @@
 static void invalidate_null_spaces(const km_mechanism *m, km_state *s) {
   for (int i = 0; i < m->topology.substructure_count; ++i) {
     km_state_invalidate_pivots(s, i);
-    s->basis[i].is_known = false;
+    s->mobility_is_known[i] = false;
   }
 }
 

@@ -1,7 +1,7 @@
 /* Closes the loops of one substructure by Newton-Raphson with minimum-norm steps (docs/theory.md 4.2).
  *
  *   e(q)  = closure errors of all loops and couplings, stacked              [rows]
- *   J     = de/dq, factored as in linalg/partition.h; p = primary rows, Z = null space
+ *   J     = de/dq, factored as in linalg/factor.h; p = primary rows, Z = null space
  *   step  : J_p δ = −e_p,  |D δ| minimal,  δ_driver = 0;   q <- exp(δ) q,  |δ|_∞ limited to 0.6
  *
  * Converged : rms(e_p) <= σ_s 1e-12 and |δ|_∞ <= σ_s 1e-9 (1e-12 for a predicted configuration)
@@ -21,47 +21,34 @@ enum { MAX_ITERATIONS = 60 };
 static const double residual_growth = 1e3, residual_offset = 0.1;
 
 /* Root mean square of the errors of the primary rows. */
-static double primary_rms(const km_partition *p, const double *error) {
+static double primary_rms(const km_factor *p, const double *error) {
+  const int rank = km_factor_rank(p), *row = km_factor_row_order(p);
   double sum = 0.0;
-  for (int i = 0; i < p->rank; ++i)
-    sum += error[p->row[i]] * error[p->row[i]];
-  return p->rank ? sqrt(sum / p->rank) : 0.0;
+  for (int i = 0; i < rank; ++i)
+    sum += error[row[i]] * error[row[i]];
+  return rank ? sqrt(sum / rank) : 0.0;
 }
 
 /* Factors J for a step: reuses the pivots near the solution while the growth monitor accepts them, else searches.
- * Pivots of a deficient rank that were found with the loose tolerance of an open configuration can omit rows, so they
- * are not reused. */
-static void factor_step(const km_mechanism *m, km_state *s, int index, int driver, double residual) {
+ * Minimum-norm steps do not depend on the basis of the null space. Pivots of a deficient rank that were found with the
+ * loose tolerance of an open configuration can omit rows, so they are not reused. */
+static void factor_step(const km_mechanism *m, km_state *s, int index, const km_pivoting *pivoting, double residual) {
   const km_substructure *sub = &m->substructures[index];
-  if (residual < km_pivot_reuse_residual && s->pivot_driver[index] == driver &&
-      km_refactor_for_steps(m, s, index, false))
+  if (residual < km_pivot_reuse_residual && s->pivot_driver[index] == pivoting->driver &&
+      km_factor_refactor(s->factor[index], km_state_jacobian(s, sub), pivoting->basis))
     return;
   double tolerance = km_rank_tolerance(m, sub, residual);
-  km_search_pivots_for_steps(m, s, index, driver, tolerance);
-  if (s->partition[index].rank < sub->rows && tolerance > km_rank_tolerance(m, sub, 0.0))
+  km_search_pivots_by(m, s, index, pivoting, tolerance);
+  if (km_factor_rank(s->factor[index]) < sub->rows && tolerance > km_rank_tolerance(m, sub, 0.0))
     km_state_invalidate_pivots(s, index);
-}
-
-/* Minimum-norm x with J_p x = e_p. With many freedoms other solutions can be so long that projecting them leaves
- * rounding, so the row equations are tried first. */
-static void solve_minimum_norm(const km_mechanism *m, km_state *s, int index, int driver, double *x) {
-  const km_substructure *sub = &m->substructures[index];
-  const km_partition *p = &s->partition[index];
-  int count = km_count_free_motions(p, driver);
-  if ((p->rows_only || km_uses_row_equations(p, count)) &&
-      km_partition_minimum_norm(p, km_state_jacobian(s, sub), m->column_weight + sub->column_start, count,
-                                km_state_error(s, sub), x))
-    return;
-  km_partition_solve(p, km_state_error(s, sub), x);
-  if (!p->rows_only)
-    km_minimum_norm_step(m, s, index, driver, x);
 }
 
 /* Newton step x = −J_p⁺ e_p in the metric D. Returns |x|_∞. */
 static double newton_step(const km_mechanism *m, km_state *s, int index, int driver, double *x) {
   const km_substructure *sub = &m->substructures[index];
   double largest = 0.0;
-  solve_minimum_norm(m, s, index, driver, x);
+  km_factor *p = s->factor[index];
+  km_factor_minimum_norm(p, km_state_jacobian(s, sub), km_count_free_motions(p, driver), km_state_error(s, sub), x);
   for (int k = 0; k < sub->columns; ++k)
     x[k] = -x[k];
   if (driver >= 0) /* a dependent driver column has a step, which is discarded */
@@ -94,15 +81,17 @@ typedef struct newton_state {
 } newton_state;
 
 /* Convergence test; with a fixed driver also the first step that is not shorter than the last one. */
-static bool is_converged(const km_partition *p, const newton_state *n) {
-  return n->is_residual_small && (n->step <= n->step_tolerance || (p->forced_never_pivot && n->step >= n->last));
+static bool is_converged(const km_pivoting *pivoting, const newton_state *n) {
+  return n->is_residual_small && (n->step <= n->step_tolerance || (pivoting->driver_never_pivot && n->step >= n->last));
 }
 
 /* Newton-Raphson with minimum-norm steps; convergence, consistency and divergence tests as in the head of this file.
  */
-static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {
+static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int index, const km_pivoting *pivoting,
+                                      km_closure *evidence) {
+  const int driver = pivoting->driver;
   const km_substructure *sub = &m->substructures[index];
-  const km_partition *p = &s->partition[index];
+  const km_factor *p = s->factor[index];
   double *x = s->work, first = 0.0, scale = tolerance_scale(m, s, sub);
   newton_state n = {.step = HUGE_VAL, .last = HUGE_VAL, .residual_tolerance = scale * km_residual_tolerance};
   *evidence = (km_closure){.worst = -1, .last_step = x};
@@ -118,10 +107,10 @@ static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int in
     if (i == 0)
       first = evidence->residual;
     n.step_tolerance = scale * (i == 0 && driver >= 0 ? km_residual_tolerance : km_step_tolerance);
-    factor_step(m, s, index, driver, evidence->residual);
+    factor_step(m, s, index, pivoting, evidence->residual);
     n.step = newton_step(m, s, index, driver, x);
     n.is_residual_small = primary_rms(p, km_state_error(s, sub)) <= n.residual_tolerance;
-    if (is_converged(p, &n))
+    if (is_converged(pivoting, &n))
       return closed_outcome(m, evidence->residual, scale);
     n.last = n.is_residual_small ? n.step : HUGE_VAL;
     if (!isfinite(n.step) || evidence->residual > residual_growth * (first + residual_offset))
@@ -142,35 +131,36 @@ static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int in
 }
 
 /* Closes the loops; the final configuration is cached unless a driver is fixed. */
-km_closure_outcome km_loops_close(const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {
-  km_closure_outcome outcome = close_loops(m, s, index, driver, evidence);
-  if (driver < 0) /* configurations of a driven motion are not evaluated again */
+km_closure_outcome km_loops_close_by(const km_mechanism *m, km_state *s, int index, const km_pivoting *pivoting,
+                                     km_closure *evidence) {
+  km_pivoting of_steps = *pivoting;
+  if (of_steps.basis == KM_BASIS_SHORT)
+    of_steps.basis = KM_BASIS_ANY;
+  km_closure_outcome outcome = close_loops(m, s, index, &of_steps, evidence);
+  if (pivoting->driver < 0) /* configurations of a driven motion are not evaluated again */
     km_loops_cache(m, s, &m->substructures[index]);
   return outcome;
 }
 
-/* Closes the loops with the driver as a coordinate that never becomes a pivot. */
-km_closure_outcome km_close_with_driver(const km_mechanism *m, km_state *s, int index, int driver,
-                                        km_closure *evidence) {
-  s->partition[index].forced_never_pivot = true;
-  km_closure_outcome outcome = km_loops_close(m, s, index, driver, evidence);
-  s->partition[index].forced_never_pivot = false;
-  return outcome;
+km_closure_outcome km_loops_close(const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {
+  return km_loops_close_by(m, s, index, &(km_pivoting){.driver = driver}, evidence);
 }
 
 /* Full closing: repeats with pivots of the closed configuration until the rank no longer grows. */
-km_closure_outcome km_close_fully(km_closing_function close, const km_mechanism *m, km_state *s, int index, int driver,
-                                  km_closure *evidence) {
+km_closure_outcome km_loops_close_fully(const km_mechanism *m, km_state *s, int index, const km_pivoting *pivoting,
+                                        km_closure *evidence) {
   enum { MAX_RANK_UPDATES = 4 };
+  const km_substructure *sub = &m->substructures[index];
   km_state_invalidate_pivots(s, index);
-  km_closure_outcome outcome = close(m, s, index, driver, evidence);
+  km_closure_outcome outcome = km_loops_close_by(m, s, index, pivoting, evidence);
   for (int i = 0; i < MAX_RANK_UPDATES && outcome == KM_CLOSED; ++i) {
-    int rank = s->partition[index].rank;
-    km_update_and_search_pivots(m, s, index, driver, evidence->residual);
-    if (s->partition[index].rank <= rank)
+    int rank = km_factor_rank(s->factor[index]);
+    km_loops_update(m, s, sub);
+    km_search_pivots_by(m, s, index, pivoting, km_rank_tolerance(m, sub, evidence->residual));
+    if (km_factor_rank(s->factor[index]) <= rank)
       break;
     int iterations = evidence->iterations;
-    outcome = close(m, s, index, driver, evidence);
+    outcome = km_loops_close_by(m, s, index, pivoting, evidence);
     evidence->iterations += iterations;
   }
   return outcome;

@@ -39,25 +39,28 @@ typedef struct km_closure {
                    * state's `work`; closed loops only */
 } km_closure;
 
+/* Options of a search for pivots. */
+typedef struct km_pivoting {
+  int driver;                /* forced column, which is fixed in closing; KM_NO_DRIVER: none */
+  bool driver_never_pivot;   /* the driver stays independent at any remaining rank */
+  km_factor_basis basis;     /* use of the null space; minimum-norm steps themselves need any basis only */
+  double min_relative_pivot; /* relative pivot below which no search goes, over the largest entry */
+} km_pivoting;
+
 /* Closes the loops from the state's coordinates by minimum-norm Newton steps; the coordinate of `driver` (a column, or
- * KM_NO_DRIVER) is fixed. Leaves errors, Jacobian and partition of the final configuration. Pivots are reused from call
+ * KM_NO_DRIVER) is fixed. Leaves errors, Jacobian and factor of the final configuration. Pivots are reused from call
  * to call while the growth monitor accepts them (docs/theory.md 3.3). */
 km_closure_outcome km_loops_close(const km_mechanism *mechanism, km_state *state, int substructure, int driver,
                                   km_closure *evidence);
-
-/* Closes the loops with the driver fixed at any remaining rank. If the driver cannot be independent, the other
- * coordinates reduce the error and the rest stays in the residual. Rows are nearly dependent close to a branch point,
- * where rounding keeps Newton's method moving: the iteration ends at the first step that is not shorter than the one
- * before it. Pivots are reused by the next such call only. */
-km_closure_outcome km_close_with_driver(const km_mechanism *mechanism, km_state *state, int substructure, int driver,
-                                        km_closure *evidence);
-
-/* Full closing (docs/theory.md 4.2): repeats `close` with pivots of the closed configuration until the rank no longer
- * grows, since pivots of an open configuration can omit a row. Leaves pivots of a new search. */
-typedef km_closure_outcome (*km_closing_function)(const km_mechanism *mechanism, km_state *state, int substructure,
-                                                  int driver, km_closure *evidence);
-km_closure_outcome km_close_fully(km_closing_function close, const km_mechanism *mechanism, km_state *state,
-                                  int substructure, int driver, km_closure *evidence);
+/* As km_loops_close. With driver_never_pivot, if the driver cannot be independent, the other coordinates reduce the
+ * error and the rest stays in the residual. Rows are nearly dependent close to a branch point, where rounding keeps
+ * Newton's method moving: the iteration ends at the first step that is not shorter than the one before it. */
+km_closure_outcome km_loops_close_by(const km_mechanism *mechanism, km_state *state, int substructure,
+                                     const km_pivoting *pivoting, km_closure *evidence);
+/* Full closing (docs/theory.md 4.2): repeats with pivots of the closed configuration until the rank no longer grows,
+ * since pivots of an open configuration can omit a row. Leaves pivots of a new search. */
+km_closure_outcome km_loops_close_fully(const km_mechanism *mechanism, km_state *state, int substructure,
+                                        const km_pivoting *pivoting, km_closure *evidence);
 
 /* Rank tolerance: relative size below which a pivot counts as 0, if secondary rows keep `misfit` (scaled;
  * docs/theory.md 3.2). */
@@ -65,15 +68,11 @@ double km_rank_tolerance(const km_mechanism *mechanism, const km_substructure *s
 
 /* Factors the state's Jacobian with a search for pivots. `driver`: forced column, or KM_NO_DRIVER. */
 void km_search_pivots(const km_mechanism *mechanism, km_state *state, int substructure, int driver, double tolerance);
+void km_search_pivots_by(const km_mechanism *mechanism, km_state *state, int substructure, const km_pivoting *pivoting,
+                         double tolerance);
 
 /* Updates errors and Jacobian at the state's coordinates and searches pivots with the rank tolerance of `misfit`. */
 void km_update_and_search_pivots(const km_mechanism *mechanism, km_state *state, int substructure, int driver,
                                  double misfit);
-
-/* km_search_pivots and km_partition_refactor for minimum-norm steps, which do not depend on the basis of the null
- * space: any independent columns are accepted (`accepts_any_basis` of a partition). */
-void km_search_pivots_for_steps(const km_mechanism *mechanism, km_state *state, int substructure, int driver,
-                                double tolerance);
-bool km_refactor_for_steps(const km_mechanism *mechanism, km_state *state, int substructure, bool is_full_pattern);
 
 #endif

@@ -226,10 +226,9 @@ void km_loops_recompute(const km_mechanism *m, km_state *s, const km_substructur
       update_spatial(m, s, sub, program);
   }
   update_couplings(m, s, sub);
-  if (s->partition[sub - m->substructures].locked)
+  if (s->has_locked[sub - m->substructures])
     km_state_clear_locked(s, sub);
   cached->is_valid = false;
-  cached->evaluations++;
 }
 
 /* Stores the present configuration as the one that errors and Jacobian belong to. */
@@ -244,6 +243,8 @@ void km_loops_cache(const km_mechanism *m, km_state *s, const km_substructure *s
 void km_loops_update(const km_mechanism *m, km_state *s, const km_substructure *sub) {
   if (is_cached(m, s, sub, &s->cached[sub - m->substructures]))
     return;
+  if (s->cached[sub - m->substructures].mechanism_version != m->version)
+    km_factor_forget(s->factor[sub - m->substructures]);
   km_loops_recompute(m, s, sub);
   km_loops_cache(m, s, sub);
 }

@@ -5,14 +5,8 @@
 #include "kinematics/state.h"
 
 /* Number of null vectors that do not move the driver. */
-static inline int km_count_free_motions(const km_partition *p, int driver) {
-  return km_partition_freedom(p) - (driver >= 0 && !p->forced_dependent);
-}
-
-/* True if min(rank, count) exceeds KM_MANY_VECTORS for a sparse partition: row equations (normal equations, QR) are
- * then cheaper than a basis. */
-static inline bool km_uses_row_equations(const km_partition *p, int count) {
-  return p->sparse && (p->rank < count ? p->rank : count) > KM_MANY_VECTORS;
+static inline int km_count_free_motions(const km_factor *p, int driver) {
+  return km_factor_freedom(p) - (driver >= 0 && !km_factor_has_forced_pivot(p));
 }
 
 /* Minimum-norm step: x <- x − D⁻¹ Z Zᵀ D x over the null vectors that do not move the driver (docs/theory.md 3.5). */

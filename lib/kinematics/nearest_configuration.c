@@ -120,20 +120,18 @@ bool km_nearest_configuration_reserve(km_nearest_configuration *c, const km_mech
   c->b = KM_ARENA_NEW(arena, double, size);
   c->x = KM_ARENA_NEW(arena, double, size);
   c->fixed = KM_ARENA_NEW(arena, bool, size);
-  if (!create_pattern(c, m, sub, arena) ||
-      !km_partition_reserve_sparse(&c->factor, c->size, c->size, c->start, c->row, arena))
-    return false;
-  c->factor.unrestricted_basis = true;
-  return true;
+  if (create_pattern(c, m, sub, arena))
+    c->factor = km_factor_create_sparse(c->size, c->size, c->start, c->row, NULL, arena);
+  return c->factor != NULL;
 }
 
 /* Sets the fixed unknowns. */
 static void set_fixed(km_nearest_configuration *c, const km_substructure *sub, int driver, const bool *locked,
-                      const km_partition *pivots) {
+                      const km_factor *pivots) {
   for (int i = 0; i < c->size; ++i)
     c->fixed[i] = i >= sub->columns || i == driver || (locked && locked[i]);
-  for (int i = 0; i < pivots->rank; ++i)
-    c->fixed[sub->columns + pivots->row[i]] = false;
+  for (int i = 0; i < km_factor_rank(pivots); ++i)
+    c->fixed[sub->columns + km_factor_row_order(pivots)[i]] = false;
 }
 
 /* Adds to an entry of K. Rows of fixed unknowns are omitted: their diagonal 1 makes the unknown 0. */
@@ -163,22 +161,22 @@ static void assemble_matrix(km_nearest_configuration *c, const km_mechanism *m, 
 
 /* Factors K, with the previous pivots if the growth monitor accepts them, and solves K x = b. */
 static bool factor_and_solve(km_nearest_configuration *c) {
-  if (c->factor.rank != c->size || !km_partition_refactor(&c->factor, c->value))
-    km_partition_factor(&c->factor, c->value, c->size, c->size, NULL, 0.0);
-  bool is_regular = !c->factor.failed && c->factor.rank == c->size;
+  if (km_factor_rank(c->factor) != c->size || !km_factor_refactor(c->factor, c->value, KM_BASIS_ENTRIES))
+    km_factor_compute(c->factor, c->value, c->size, c->size, &(km_factor_options){.basis = KM_BASIS_ENTRIES});
+  bool is_regular = !km_factor_has_failed(c->factor) && km_factor_rank(c->factor) == c->size;
   if (is_regular)
-    km_partition_solve(&c->factor, c->b, c->x);
+    km_factor_solve(c->factor, c->b, c->x);
   return is_regular;
 }
 
 /* Newton's method on the Karush-Kuhn-Tucker conditions of min |D (x − y)|² with e(x) = 0. */
 bool km_nearest_configuration_find(km_nearest_configuration *c, const km_mechanism *m, km_state *s, int index,
-                                   int driver, const km_partition *pivots, double *displacement) {
+                                   int driver, const km_factor *pivots, double *displacement) {
   const km_substructure *sub = &m->substructures[index];
   const double *weight = m->column_weight + sub->column_start, *error = km_state_error(s, sub);
   double *lambda = c->x + sub->columns, largest = HUGE_VAL;
   bool is_converged = false;
-  set_fixed(c, sub, driver, s->partition[index].locked, pivots);
+  set_fixed(c, sub, driver, km_state_locked_columns(s, index), pivots);
   memset(c->x, 0, (size_t)c->size * sizeof *c->x);
   for (int pass = 0; pass <= MAX_ITERATIONS && !is_converged; ++pass) {
     km_loops_recompute(m, s, sub);
@@ -213,6 +211,6 @@ void km_nearest_configuration_follow(km_nearest_configuration *c, const km_mecha
   memset(c->b, 0, (size_t)c->size * sizeof *c->b);
   for (int k = 0; k < sub->columns; ++k)
     c->b[k] = c->fixed[k] ? 0.0 : weight[k] * weight[k] * step[k];
-  km_partition_solve(&c->factor, c->b, c->x);
+  km_factor_solve(c->factor, c->b, c->x);
   memcpy(step, c->x, (size_t)sub->columns * sizeof *step);
 }

@@ -22,7 +22,7 @@ typedef struct km_nearest_configuration {
   double *displacement, *next_displacement; /* [columns] for the caller: x − y, and its next value */
   bool *fixed;                              /* [size] fixed unknowns: driver, locked coordinates, multipliers of
                                              * secondary rows */
-  km_partition factor;                      /* factor of the matrix */
+  km_factor *factor;                        /* factor of the matrix */
 } km_nearest_configuration;
 
 /* Reserves a solver for a substructure. Mechanisms with ball joints are excluded: two rotations about different axes
@@ -35,7 +35,7 @@ bool km_nearest_configuration_reserve(km_nearest_configuration *closest, const k
  * `pivots` gives the primary rows. False if Newton's method does not converge; the state is left at its last
  * configuration. */
 bool km_nearest_configuration_find(km_nearest_configuration *closest, const km_mechanism *mechanism, km_state *state,
-                                   int substructure, int driver, const km_partition *pivots, double *displacement);
+                                   int substructure, int driver, const km_factor *pivots, double *displacement);
 /* Linear response of the nearest configuration found last to a change of y: replaces `step` of y by the step of the
  * result. */
 void km_nearest_configuration_follow(km_nearest_configuration *closest, const km_mechanism *mechanism,

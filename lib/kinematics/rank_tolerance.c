@@ -13,45 +13,27 @@ double km_rank_tolerance(const km_mechanism *m, const km_substructure *sub, doub
   return fmin(fmax(tolerance, 10.0 * misfit), 0.05);
 }
 
-/* True if the present pivots are those that this search would find. The sparse factor tests that itself
- * (km_sparse_has_factor). */
-static bool is_search_current(const km_state *s, int index, int driver, double tolerance) {
-  const km_partition *p = &s->partition[index];
-  const km_cached_configuration *shown = &s->cached[index];
-  return !p->sparse && !p->failed && shown->is_valid && shown->evaluation_at_search == shown->evaluations &&
-         shown->partition_version == p->version && shown->driver == driver &&
-         shown->forced_never_pivot == p->forced_never_pivot && shown->tolerance == tolerance;
-}
-
-/* Records the arguments of the last search for pivots. */
-static void record_search(km_state *s, int index, int driver, double tolerance) {
-  const km_partition *p = &s->partition[index];
-  km_cached_configuration *shown = &s->cached[index];
-  shown->evaluation_at_search = shown->evaluations;
-  shown->partition_version = p->version;
-  shown->driver = driver;
-  shown->forced_never_pivot = p->forced_never_pivot;
-  shown->tolerance = tolerance;
-}
-
-/* Factors the Jacobian with complete pivoting, unless an equal search is current. */
-void km_search_pivots(const km_mechanism *m, km_state *s, int index, int driver, double tolerance) {
+/* Factors the Jacobian with complete pivoting. Near-ties of driven motions are ordered by position, so that designs
+ * share pivots. */
+void km_search_pivots_by(const km_mechanism *m, km_state *s, int index, const km_pivoting *pivoting, double tolerance) {
   const km_substructure *sub = &m->substructures[index];
-  tolerance = km_larger(tolerance, s->partition[index].min_relative_pivot);
-  if (is_search_current(s, index, driver, tolerance)) {
-    s->pivot_driver[index] = driver;
-    return;
-  }
-  s->partition[index].ties_by_position = driver >= 0;
-  if (driver >= 0)
-    s->forced[driver] = true;
-  km_partition_factor(&s->partition[index], km_state_jacobian(s, sub), sub->rows, sub->columns,
-                      driver >= 0 ? s->forced : NULL, tolerance);
-  if (driver >= 0)
-    s->forced[driver] = false;
-  s->partition[index].ties_by_position = false;
-  s->pivot_driver[index] = driver;
-  record_search(s, index, driver, tolerance);
+  const bool has_driver = pivoting->driver >= 0;
+  const km_factor_options options = {.tolerance = km_larger(tolerance, pivoting->min_relative_pivot),
+                                     .forced = has_driver ? s->forced : NULL,
+                                     .locked = km_state_locked_columns(s, index),
+                                     .forced_never_pivot = pivoting->driver_never_pivot,
+                                     .ties_by_position = has_driver,
+                                     .basis = pivoting->basis};
+  if (has_driver)
+    s->forced[pivoting->driver] = true;
+  km_factor_compute(s->factor[index], km_state_jacobian(s, sub), sub->rows, sub->columns, &options);
+  if (has_driver)
+    s->forced[pivoting->driver] = false;
+  s->pivot_driver[index] = pivoting->driver;
+}
+
+void km_search_pivots(const km_mechanism *m, km_state *s, int index, int driver, double tolerance) {
+  km_search_pivots_by(m, s, index, &(km_pivoting){.driver = driver}, tolerance);
 }
 
 /* Evaluates the Jacobian at the present configuration and searches pivots. */
@@ -59,19 +41,4 @@ void km_update_and_search_pivots(const km_mechanism *m, km_state *s, int index, 
   const km_substructure *sub = &m->substructures[index];
   km_loops_update(m, s, sub);
   km_search_pivots(m, s, index, driver, km_rank_tolerance(m, sub, misfit));
-}
-
-void km_search_pivots_for_steps(const km_mechanism *m, km_state *s, int index, int driver, double tolerance) {
-  s->partition[index].accepts_any_basis = true;
-  km_search_pivots(m, s, index, driver, tolerance);
-  s->partition[index].accepts_any_basis = false;
-}
-
-bool km_refactor_for_steps(const km_mechanism *m, km_state *s, int index, bool is_full_pattern) {
-  const double *J = km_state_jacobian(s, &m->substructures[index]);
-  km_partition *p = &s->partition[index];
-  p->accepts_any_basis = true;
-  bool is_accepted = is_full_pattern ? km_partition_refactor_full_pattern(p, J) : km_partition_refactor(p, J);
-  p->accepts_any_basis = false;
-  return is_accepted;
 }

@@ -5,11 +5,12 @@
 
 #include <string.h>
 
-/* Reserves the dense or sparse factorisation of a substructure's Jacobian. */
-static bool reserve_partition(const km_substructure *sub, km_partition *p, km_arena *arena) {
-  return sub->pattern.start
-             ? km_partition_reserve_sparse(p, sub->rows, sub->columns, sub->pattern.start, sub->pattern.row, arena)
-             : km_partition_reserve(p, sub->rows, sub->columns, arena);
+/* Creates the dense or sparse factor of a substructure's Jacobian. */
+static km_factor *create_factor(const km_mechanism *m, const km_substructure *sub, km_arena *arena) {
+  const double *weight = m->column_weight + sub->column_start;
+  const km_pattern *pattern = &sub->pattern;
+  return pattern->start ? km_factor_create_sparse(sub->rows, sub->columns, pattern->start, pattern->row, weight, arena)
+                        : km_factor_create(sub->rows, sub->columns, weight, arena);
 }
 
 /* Allocates all arrays of a state in its arena. */
@@ -26,13 +27,13 @@ static bool allocate_arrays(const km_mechanism *m, km_state *s) {
   s->jacobian = KM_ARENA_NEW(arena, double, m->matrix_size);
   s->error = KM_ARENA_NEW(arena, double, (size_t)m->error_size);
   s->misfit = KM_ARENA_NEW(arena, km_twist, (size_t)t->loop_count);
-  s->partition = KM_ARENA_NEW(arena, km_partition, (size_t)t->substructure_count);
+  s->factor = KM_ARENA_NEW(arena, km_factor *, (size_t)t->substructure_count);
   s->normal = KM_ARENA_NEW(arena, km_normal_equations *, (size_t)t->substructure_count);
   s->normal_count = t->substructure_count;
-  s->stashed = KM_ARENA_NEW(arena, km_stashed_partition, (size_t)t->substructure_count);
+  s->stashed = KM_ARENA_NEW(arena, km_stashed_factor, (size_t)t->substructure_count);
   s->cached = KM_ARENA_NEW(arena, km_cached_configuration, (size_t)t->substructure_count);
   s->pivot_driver = KM_ARENA_NEW(arena, int, (size_t)t->substructure_count);
-  s->basis = KM_ARENA_NEW(arena, km_basis, (size_t)t->substructure_count);
+  s->mobility_is_known = KM_ARENA_NEW(arena, bool, (size_t)t->substructure_count);
   s->mobility_number = KM_ARENA_NEW(arena, double, coordinates);
   s->pose = KM_ARENA_NEW(arena, km_pose, (size_t)t->body_count);
   s->slot = KM_ARENA_NEW(arena, km_pose, (size_t)m->largest_slots);
@@ -45,18 +46,12 @@ static bool allocate_arrays(const km_mechanism *m, km_state *s) {
   s->forced = KM_ARENA_NEW(arena, bool, columns);
   s->locked = KM_ARENA_NEW(arena, bool, coordinates);
   s->locked_column = KM_ARENA_NEW(arena, bool, coordinates);
-  for (int i = 0; i < t->substructure_count && !arena->failed; ++i)
-    if (reserve_partition(&m->substructures[i], &s->partition[i], arena))
-      km_partition_set_normal_equations(&s->partition[i], &s->normal[i],
-                                        m->column_weight + m->substructures[i].column_start);
-  /* Small ones never grow: kernels don't allocate. */
-  for (int i = 0; i < t->substructure_count && !arena->failed; ++i)
-    if (!m->substructures[i].pattern.start)
-      km_arena_grow(arena, (void **)&s->basis[i].Z, &s->basis[i].capacity,
-                    (size_t)m->substructures[i].columns * (size_t)m->substructures[i].columns, sizeof(double));
+  s->has_locked = KM_ARENA_NEW(arena, bool, (size_t)t->substructure_count);
   for (int i = 0; i < t->substructure_count && !arena->failed; ++i) {
     s->cached[i].coordinates = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *(size_t)m->substructures[i].columns);
-    s->basis[i].arena = arena;
+    s->factor[i] = create_factor(m, &m->substructures[i], arena);
+    if (s->factor[i])
+      km_factor_share_normal_equations(s->factor[i], &s->normal[i]);
     km_state_invalidate_pivots(s, i);
   }
   return !arena->failed;
@@ -75,7 +70,7 @@ static void reset_substructure(const km_mechanism *m, km_state *s, int index) {
     }
   }
   s->cached[index].is_valid = false;
-  s->basis[index].is_known = false;
+  s->mobility_is_known[index] = false;
   km_state_invalidate_pivots(s, index);
 }
 
@@ -94,8 +89,7 @@ bool km_state_mobility_is_known(const km_mechanism *m, const km_state *s) {
   if (!km_state_belongs_to(m, s))
     return false;
   for (int i = 0; i < m->topology.substructure_count; ++i)
-    if (!s->basis[i].is_known ||
-        (!s->basis[i].is_deferred && s->basis[i].count < km_partition_freedom(&s->partition[i])))
+    if (!s->mobility_is_known[i])
       return false;
   return true;
 }
@@ -155,105 +149,39 @@ void km_state_jacobian_dense(const km_state *s, const km_substructure *sub, doub
       J[(size_t)c * (size_t)sub->rows + (size_t)pattern->row[i]] = values[i];
 }
 
-static double *reserve_basis(km_basis *basis, const km_substructure *sub, int count) {
-  return km_arena_grow(basis->arena, (void **)&basis->Z, &basis->capacity, (size_t)count * (size_t)sub->columns,
-                       sizeof *basis->Z)
-             ? basis->Z
-             : NULL;
-}
-
-/* Records Z as the basis of the present partition with `count` vectors; Z NULL: out of memory. */
-static void set_basis(const km_state *s, int index, const double *Z, int count) {
-  km_basis *basis = &s->basis[index];
-  km_partition *p = &s->partition[index];
-  basis->is_known = Z != NULL;
-  basis->is_deferred = false;
-  basis->count = Z ? count : 0;
-  basis->partition_version = p->version;
-  p->failed = p->failed || !Z;
-}
-
-/* Null-space basis Z of the present partition; only missing vectors are computed. */
-double *km_state_null_space(const km_mechanism *m, const km_state *s, int index, int count) {
-  const km_substructure *sub = &m->substructures[index];
-  const km_partition *p = &s->partition[index];
-  km_basis *basis = &s->basis[index];
-  if (basis->is_known && !basis->is_deferred && basis->partition_version == p->version && basis->count >= count)
-    return basis->Z;
-  double *Z = reserve_basis(basis, sub, count);
-  int existing = Z && basis->partition_version == p->version ? basis->count : 0;
-  if (Z && existing < count)
-    km_partition_extend_null_space(p, m->column_weight + sub->column_start, existing, count, Z);
-  set_basis(s, index, Z, existing < count ? count : existing);
-  return Z;
-}
-
-void km_state_set_single_basis(km_state *s, int index, const double *z, size_t stride) {
-  const km_substructure *sub = &s->mechanism->substructures[index];
-  double *Z = reserve_basis(&s->basis[index], sub, 1);
-  for (int k = 0; Z && k < sub->columns; ++k)
-    Z[k] = z[(size_t)k * stride];
-  set_basis(s, index, Z, 1);
-}
-
 const double *km_state_basis(const km_state *s, int index) {
-  return km_state_null_space(s->mechanism, s, index, km_partition_freedom(&s->partition[index]));
+  s->mobility_is_known[index] = true;
+  return km_factor_null_space(s->factor[index], km_factor_freedom(s->factor[index]));
 }
 
 /* Projection onto the null space by the row equations, with many freedoms. */
 bool km_state_project_onto_motions(const km_mechanism *m, km_state *s, int index, const double *row, double *y) {
   const km_substructure *sub = &m->substructures[index];
   const int *coordinate = m->column_coordinate + sub->column_start;
-  const km_partition *p = &s->partition[index];
-  if (!km_partition_avoids_basis(p))
+  const km_factor *p = s->factor[index];
+  if (!km_factor_avoids_basis(p))
     return false;
   for (int j = 0; j < sub->columns; ++j)
     y[j] = row[coordinate[j]] / m->scale[coordinate[j]];
-  return km_partition_project_null_space(p, km_state_jacobian(s, sub), m->column_weight + sub->column_start, y, 1);
-}
-
-/* True if mobility numbers need no basis, so that it is formed only when it is requested. */
-static bool is_basis_deferred(const km_partition *p) {
-  int freedom = km_partition_freedom(p);
-  return freedom > KM_MANY_VECTORS && (p->sparse || p->rank < freedom);
+  return km_factor_project_null_space(p, km_state_jacobian(s, sub), y, 1);
 }
 
 /* Forms the basis Z, or defers it with many freedoms. */
 void km_state_mark_mobility_known(km_state *s, int index) {
-  if (is_basis_deferred(&s->partition[index]))
-    s->basis[index].is_known = s->basis[index].is_deferred = true;
-  else
+  if (!km_factor_numbers_avoid_basis(s->factor[index]))
     km_state_basis(s, index);
-}
-
-/* Mobility numbers from the row space by sparse QR. False if they need the basis Z. */
-static bool compute_numbers_without_basis(const km_mechanism *m, km_state *s, int index, double *numbers) {
-  const km_substructure *sub = &m->substructures[index];
-  const km_partition *p = &s->partition[index];
-  if (!is_basis_deferred(p) ||
-      !km_partition_mobility_numbers(p, km_state_jacobian(s, sub), m->column_weight + sub->column_start, numbers))
-    return false;
-  km_state_mark_mobility_known(s, index);
-  return true;
+  s->mobility_is_known[index] = true;
 }
 
 /* Mobility numbers from the row space if many freedoms, else from the basis Z. */
 void km_state_mobility_numbers(const km_mechanism *m, km_state *s, int index, double *numbers) {
-  if (compute_numbers_without_basis(m, s, index, numbers))
+  const km_substructure *sub = &m->substructures[index];
+  km_factor *p = s->factor[index];
+  s->mobility_is_known[index] = true;
+  if (km_factor_numbers_avoid_basis(p) && km_factor_mobility_numbers(p, km_state_jacobian(s, sub), numbers))
     return;
   const double *Z = km_state_basis(s, index);
-  km_mobility_numbers(Z, m->substructures[index].columns, Z ? km_partition_freedom(&s->partition[index]) : 0, numbers);
-}
-
-/* Row-space basis R of the present partition, in the memory of Z. */
-double *km_state_row_space(const km_mechanism *m, km_state *s, int index, int count) {
-  const km_substructure *sub = &m->substructures[index];
-  double *R = reserve_basis(&s->basis[index], sub, s->partition[index].rank);
-  s->basis[index].count = 0;
-  s->basis[index].is_deferred = false;
-  if (R)
-    km_partition_row_space(&s->partition[index], m->column_weight + sub->column_start, count, R);
-  return R;
+  km_mobility_numbers(Z, sub->columns, Z ? km_factor_freedom(p) : 0, numbers);
 }
 
 static km_quaternion rotated_quaternion(const km_state *s, int ball, km_vec3 turn) {
@@ -320,12 +248,15 @@ void km_state_lock(km_state *s, int coordinate) {
   s->locked[coordinate] = true;
   if (column < 0)
     return;
-  bool *locked_column = s->locked_column + m->substructures[i].column_start;
-  locked_column[column] = true;
-  s->partition[i].locked = locked_column;
+  s->locked_column[m->substructures[i].column_start + column] = true;
+  s->has_locked[i] = true;
   s->cached[i].is_valid = false;
-  s->basis[i].is_known = false;
+  s->mobility_is_known[i] = false;
   km_state_invalidate_pivots(s, i);
+}
+
+const bool *km_state_locked_columns(const km_state *s, int index) {
+  return s->has_locked[index] ? s->locked_column + s->mechanism->substructures[index].column_start : NULL;
 }
 
 /* Unlocks all coordinates and marks all substructures as stale. */
@@ -334,7 +265,7 @@ void km_state_unlock(km_state *s) {
   memset(s->locked, 0, (size_t)m->coordinate_count * sizeof *s->locked);
   memset(s->locked_column, 0, (size_t)m->coordinate_count * sizeof *s->locked_column);
   for (int i = 0; i < m->topology.substructure_count; ++i) {
-    s->partition[i].locked = NULL;
+    s->has_locked[i] = false;
     reset_substructure(m, s, i);
   }
 }

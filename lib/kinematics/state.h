@@ -1,14 +1,14 @@
 /* State of one thread: configuration, closure errors, Jacobian, factorisations and null spaces of a mechanism.
  *
  *   q      configuration, by coordinate       J, e   Jacobian and closure errors, by substructure (docs/theory.md 2.3)
- *   p      partition of J (3.1)               Z      orthonormal basis of the null space of J, in the metric D (3.4)
+ *   p      factor of J (3.1)                  Z      orthonormal basis of the null space of J, in the metric D (3.4)
  *
  * Kernels take (mechanism, state) and allocate nothing: km_state_create reserves all arrays but those of large
  * factors. */
 #ifndef KM_KINEMATICS_STATE_H
 #define KM_KINEMATICS_STATE_H
 
-#include "linalg/partition.h"
+#include "linalg/factor.h"
 #include "topology/mechanism.h"
 
 /* Displacement of a slot of a planar program from its configuration with all coordinates 0. */
@@ -21,34 +21,17 @@ typedef struct km_slot_motion {
   km_twist twist, product;
 } km_slot_motion;
 
-/* Basis of the null space of one substructure, or of its row space. It grows with the freedom. */
-typedef struct km_basis {
-  km_arena *arena; /* the state's arena, in which Z grows */
-  double *Z;
-  size_t capacity;
-  bool is_known;              /* the null space is known for this configuration or an earlier one */
-  bool is_deferred;           /* the mobility numbers were computed without Z; it is formed at the first query */
-  int count;                  /* vectors in Z; 0 while Z holds row-space vectors */
-  unsigned partition_version; /* `version` of the partition from which Z was formed */
-} km_basis;
+/* Second factor of a large substructure: a temporary one, or the stored original (km_factor_stash). */
+typedef struct km_stashed_factor {
+  km_factor *stored;
+  bool is_swapped; /* `stored` is the original, which km_factor_unstash restores */
+} km_stashed_factor;
 
-/* Second partition of a large substructure: a temporary one, or the stored original (km_partition_stash). */
-typedef struct km_stashed_partition {
-  km_partition stored;
-  bool is_reserved, is_swapped; /* is_swapped: `stored` is the original, which km_partition_unstash restores */
-} km_stashed_partition;
-
-/* Configuration at which errors and Jacobian of a substructure were evaluated, and the last search for pivots. */
+/* Configuration at which errors and Jacobian of a substructure were evaluated. */
 typedef struct km_cached_configuration {
-  double *coordinates;           /* [3 · columns] as km_state_save writes it */
-  bool is_valid;                 /* errors and Jacobian belong to `coordinates` */
-  unsigned mechanism_version;    /* `version` of the mechanism at that evaluation */
-  unsigned evaluations;          /* number of evaluations */
-  unsigned evaluation_at_search; /* `evaluations` at the last search */
-  unsigned partition_version;    /* `version` of the partition after that search */
-  int driver;                    /* arguments of that search: the driver column, */
-  bool forced_never_pivot;       /* and the partition's flag */
-  double tolerance;
+  double *coordinates;        /* [3 · columns] as km_state_save writes it */
+  bool is_valid;              /* errors and Jacobian belong to `coordinates` */
+  unsigned mechanism_version; /* `version` of the mechanism at that evaluation */
 } km_cached_configuration;
 
 /* Source of a coordinate's rate. Where rates contradict each other, the caller's have precedence over the model's. */
@@ -73,16 +56,14 @@ struct km_state {
   double *error;                   /* [error_size] closure errors of the rows, by substructure; set by
                                     * km_loops_update */
   km_twist *misfit;                /* [loop] all six components of the closure error, scaled; set by km_loops_update */
-  km_partition *partition;         /* [substructure] factorisation of the Jacobian; set by km_search_pivots,
-                                    * km_loops_close */
+  km_factor **factor;              /* [substructure] of the Jacobian; set by km_search_pivots, km_loops_close */
   km_normal_equations **normal;    /* [substructure] normal equations of minimum-norm steps; freed by km_state_free */
   int normal_count;                /* substructure count, for km_state_free after the mechanism was freed */
-  km_stashed_partition *stashed;   /* [substructure] second partitions of large substructures */
-  km_cached_configuration *cached; /* [substructure] last evaluation and search; set by km_loops_update,
-                                    * km_search_pivots */
+  km_stashed_factor *stashed;      /* [substructure] second factors of large substructures */
+  km_cached_configuration *cached; /* [substructure] last evaluation; set by km_loops_update */
   int *pivot_driver;               /* [substructure] driver column for which pivots were searched; KM_NEVER: pivots are
                                     * stale */
-  km_basis *basis;                 /* [substructure] basis Z, columns × freedom; set by km_state_null_space */
+  bool *mobility_is_known;         /* [substructure] the null space is known for this configuration or an earlier one */
   double *mobility_number;         /* [coordinate] mobility numbers; set by km_mobility_compute */
   km_pose *pose;                   /* [body] in the inertial frame, model's length unit; set by km_poses_compute */
   km_pose *slot;                   /* [largest_slots] workspace of spatial programs */
@@ -93,11 +74,12 @@ struct km_state {
                        * set by km_loops_update */
   km_slot_motion *slot_motion; /* [largest_slots] workspace of km_loops_velocity_products */
   double *work;                /* [largest_columns] */
-  double *projection;          /* [largest_columns] workspace of km_minimum_norm_step */
+  double *projection;          /* [largest_columns] workspace */
   bool *forced;                /* [largest_columns] */
   bool *locked;                /* [coordinate] locked by the state, in addition to the held joints of the mechanism; set
                                 * by km_state_lock */
-  bool *locked_column;         /* [columns of all substructures] `locked` by column, borrowed by the partitions */
+  bool *locked_column;         /* [columns of all substructures] `locked` by column, borrowed by the factors */
+  bool *has_locked;            /* [substructure] some column is locked */
 };
 
 enum { KM_NO_DRIVER = -1, KM_NEVER = -2, KM_PRESCRIBED = -3 /* the prescribed columns of a motion are forced */ };
@@ -112,8 +94,10 @@ static inline double *km_state_jacobian(km_state *s, const km_substructure *sub)
 static inline double *km_state_error(km_state *s, const km_substructure *sub) {
   return s->error + sub->error_start;
 }
-/* Returns the basis Z of the present partition, which is formed if it is stale. NULL when out of memory (then
- * km_partition_freedom is 0 too). */
+/* Locked columns of a substructure; NULL: none. */
+const bool *km_state_locked_columns(const km_state *state, int substructure);
+/* Returns the basis Z of the present factor, which is formed if it is stale. NULL when out of memory (then
+ * km_factor_freedom is 0 too). */
 const double *km_state_basis(const km_state *state, int substructure);
 
 /* True if the state belongs to the mechanism. km_check_state returns KM_USAGE otherwise. */
@@ -124,26 +108,19 @@ bool km_state_mobility_is_known(const km_mechanism *mechanism, const km_state *s
 
 /* Projects row[coordinate] / scale (a rate or forces) onto D · range(N) of a substructure with many freedoms:
  * y[columns]. It uses the Jacobian and no basis. False with few freedoms, where the basis is cheaper, or as
- * km_partition_project_null_space. */
+ * km_factor_project_null_space. */
 bool km_state_project_onto_motions(const km_mechanism *mechanism, km_state *state, int substructure, const double *row,
                                    double *y);
 
 /* Copies the Jacobian to a dense matrix J[rows × columns], column-major. */
 void km_state_jacobian_dense(const km_state *state, const km_substructure *sub, double *J);
-/* Forms the first `count` vectors of the null-space basis, Z[count × columns], in the state; vectors that are valid
- * stay. Returns Z, NULL when out of memory (then km_partition_freedom is 0 too). */
-double *km_state_null_space(const km_mechanism *mechanism, const km_state *state, int substructure, int count);
 /* Sets the basis to one vector z[column · stride] that another method found. It is valid until the next
  * factorisation. */
 void km_state_set_single_basis(km_state *state, int substructure, const double *z, size_t apart);
-/* Marks the null space as known. Forms its basis if the freedom is at most KM_MANY_VECTORS; otherwise the basis is
- * deferred. */
+/* Marks the null space as known. Forms its basis unless km_factor_numbers_avoid_basis. */
 void km_state_mark_mobility_known(km_state *state, int substructure);
 /* Mobility numbers m_j (docs/theory.md 3.4) by column. No basis is formed if the freedoms are many. */
 void km_state_mobility_numbers(const km_mechanism *mechanism, km_state *state, int substructure, double *numbers);
-/* Forms the row-space basis R[rank × columns] in the memory of Z. NULL when out of memory. */
-double *km_state_row_space(const km_mechanism *mechanism, km_state *state, int substructure, int count);
-
 /* Adds a step to the coordinates of a substructure: step[column] scaled. A ball joint rotates by its three components,
  * about the axes of its parent frame. */
 void km_state_move(const km_mechanism *mechanism, km_state *state, const km_substructure *sub, const double *step);

@@ -3,7 +3,7 @@
  *   Z = orth(D [−B; I]),   R = orth([I B] D⁻¹)   by modified Gram-Schmidt, twice;    m_j = Σ_k Z_jk² */
 #include "base/number/vectors.h"
 #include "linalg/dense/simd_pair.h"
-#include "linalg/partition.h"
+#include "linalg/factor_private.h"
 
 #include <math.h>
 #include <string.h>
@@ -34,9 +34,9 @@ static void orthonormalise(double *Z, int columns, int first, int count) {
 }
 
 /* Writes D times null vector k; returns its squared length. */
-static double write_null_vector(const km_partition *p, const double *weight, int k, double *z) {
+static double write_null_vector(const km_factor *p, int k, double *z) {
   const int rank = p->rank, *const column = p->column;
-  const double *b = km_partition_b(p, k);
+  const double *b = km_factor_b(p, k), *const weight = p->weight;
   for (int c = rank; c < p->columns; ++c)
     z[column[c]] = 0.0;
   double weight_of_independent = weight[column[rank + k]], sum = weight_of_independent * weight_of_independent;
@@ -50,29 +50,59 @@ static double write_null_vector(const km_partition *p, const double *weight, int
 }
 
 /* Null vectors first … count-1, orthonormalised against those before them. */
-void km_partition_extend_null_space(const km_partition *p, const double *weight, int first, int count, double *Z) {
+void km_factor_extend_null_space(const km_factor *p, int first, int count, double *Z) {
   for (int k = first; k < count; ++k) {
-    double square = write_null_vector(p, weight, k, Z + (size_t)k * (size_t)p->columns);
+    double square = write_null_vector(p, k, Z + (size_t)k * (size_t)p->columns);
     if (k == 0)
       scale(Z, p->columns, 1.0 / sqrt(square));
   }
   orthonormalise(Z, p->columns, first, count);
 }
 
-void km_partition_null_space(const km_partition *p, const double *weight, int count, double *Z) {
-  km_partition_extend_null_space(p, weight, 0, count, Z);
+/* Memory of a basis of `count` vectors. NULL when out of memory; then the factor has failed. */
+static double *reserve_basis(km_factor *p, int count) {
+  size_t size = (size_t)count * (size_t)p->columns + 1;
+  bool is_ok = size <= p->Z_capacity || km_arena_grow(p->arena, (void **)&p->Z, &p->Z_capacity, size, sizeof *p->Z);
+  p->failed = p->failed || !is_ok;
+  return is_ok ? p->Z : NULL;
+}
+
+double *km_factor_null_space(km_factor *p, int count) {
+  int known = p->Z_version == p->version ? p->Z_count : 0;
+  if (known >= count && p->Z)
+    return p->Z;
+  double *Z = reserve_basis(p, count);
+  if (Z)
+    km_factor_extend_null_space(p, known, count, Z);
+  p->Z_count = Z ? count : 0;
+  p->Z_version = p->version;
+  return Z;
+}
+
+int km_factor_known_null_vectors(const km_factor *p) {
+  return p->Z_count;
+}
+
+void km_factor_set_null_vector(km_factor *p, const double *z, size_t stride) {
+  double *Z = reserve_basis(p, 1);
+  for (int k = 0; Z && k < p->columns; ++k)
+    Z[k] = z[(size_t)k * stride];
+  p->Z_count = Z != NULL;
+  p->Z_version = p->version;
+  p->is_cached = false; /* the vector need not be that of the matrix factored last */
 }
 
 /* Writes the rows of [I B] D⁻¹, a basis of the row space; returns the squared length of the first one. */
-static double write_row_vectors(const km_partition *p, const double *weight, int count, double *R) {
+static double write_row_vectors(const km_factor *p, int count, double *R) {
   const int rank = p->rank, *const column = p->column;
+  const double *const weight = p->weight;
   size_t n = (size_t)p->columns;
   double square = 0.0;
   memset(R, 0, (size_t)rank * n * sizeof *R);
   for (int i = 0; i < rank; ++i)
     R[(size_t)i * n + (size_t)column[i]] = 1.0 / weight[column[i]];
   for (int k = 0; k < count; ++k) {
-    const double *b = km_partition_b(p, k);
+    const double *b = km_factor_b(p, k);
     int c = column[rank + k];
     for (int i = 0; i < rank; ++i)
       R[(size_t)i * n + (size_t)c] = b[i] / weight[c];
@@ -85,11 +115,19 @@ static double write_row_vectors(const km_partition *p, const double *weight, int
 }
 
 /* Orthonormal row space: Gram-Schmidt on [I B] D⁻¹. */
-void km_partition_row_space(const km_partition *p, const double *weight, int count, double *R) {
-  double square = write_row_vectors(p, weight, count, R);
+void km_factor_write_row_space(const km_factor *p, int count, double *R) {
+  double square = write_row_vectors(p, count, R);
   if (p->rank > 0)
     scale(R, p->columns, 1.0 / sqrt(square));
   orthonormalise(R, p->columns, 0, p->rank);
+}
+
+double *km_factor_row_space(km_factor *p, int count) {
+  double *R = reserve_basis(p, p->rank);
+  p->Z_count = 0;
+  if (R)
+    km_factor_write_row_space(p, count, R);
+  return R;
 }
 
 /* m_j = Σ_k Z_jk². */

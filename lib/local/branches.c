@@ -34,7 +34,7 @@ int km_local_find_branches(km_local *l, double *directions) {
 
 int km_branch_directions(const km_mechanism *m, km_state *s, int index, double *directions) {
   km_arena arena = {0};
-  km_local *l = km_local_create(m, s, index, NULL, &arena);
+  km_local *l = km_local_create(m, s, index, NULL, 0.0, &arena);
   int found = l ? km_local_find_branches(l, directions) : 0;
   if (!arena.failed && !km_local_has_full_row_rank(l)) {
     km_state_restore(s, l->sub, l->origin);
@@ -92,16 +92,12 @@ static void move_from_branch_point(const branch_departure *d, const double *dire
 }
 
 /* Closes the loops with `driver` fixed: `is_full` by full closing, else with the present pivots of a nearby
- * configuration. Only rows are requested from sparse factors: few rows are far from dependent here, and null vectors
+ * configuration. Only rows are requested: few rows are far from dependent here, and null vectors
  * would be long. */
 static bool close_with_fixed(const branch_departure *d, int driver, bool is_full) {
-  km_partition *p = &d->s->partition[d->index];
+  const km_pivoting pivoting = {.driver = driver, .driver_never_pivot = true, .basis = KM_BASIS_NONE};
   km_closure evidence;
-  p->rows_only = p->sparse != NULL;
-  km_closure_outcome outcome = is_full ? km_close_fully(km_close_with_driver, d->m, d->s, d->index, driver, &evidence)
-                                       : km_close_with_driver(d->m, d->s, d->index, driver, &evidence);
-  p->rows_only = false;
-  return outcome == KM_CLOSED;
+  return (is_full ? km_loops_close_fully : km_loops_close_by)(d->m, d->s, d->index, &pivoting, &evidence) == KM_CLOSED;
 }
 
 /* Moves to the closed configuration nearest to the branch point q₀, with the driver fixed. Homotopy: nearest
@@ -121,8 +117,8 @@ static void approach_nearest(branch_departure *d) {
     double distance_before = km_step_length(d->m, d->sub, displacement);
     for (int k = 0; k < d->sub->columns; ++k)
       displacement[k] *= fraction;
-    bool found = km_nearest_configuration_find(&closest, d->m, d->s, d->index, d->column, &d->s->partition[d->index],
-                                               displacement);
+    bool found =
+        km_nearest_configuration_find(&closest, d->m, d->s, d->index, d->column, d->s->factor[d->index], displacement);
     km_state_difference(d->s, d->sub, d->origin, displacement);
     double distance_after = km_step_length(d->m, d->sub, displacement);
     const bool last = fraction == 1.0;
@@ -142,7 +138,7 @@ static bool depart_along(branch_departure *d, const double *direction, double dr
   double length = 0.1 * km_longest_local_step / most;
   move_from_branch_point(d, direction, length);
   close_with_fixed(d, KM_NO_DRIVER, true);
-  if (km_partition_freedom(&d->s->partition[d->index]) <= 1)
+  if (km_factor_freedom(d->s->factor[d->index]) <= 1)
     return false;
   km_state_save(d->s, d->sub, d->last_accepted);
   length = driver_step != 0.0 ? fmin(length, fabs(driver_step / rate)) : length;
@@ -205,7 +201,7 @@ km_branch_exit km_branch_depart(const km_mechanism *m, km_state *s, int coordina
   km_arena arena = {0};
   if (index < 0 || km_state_is_fixed(s, coordinate))
     return out; /* a fixed coordinate cannot parametrise a branch */
-  km_local *l = km_local_create(m, s, index, NULL, &arena);
+  km_local *l = km_local_create(m, s, index, NULL, 0.0, &arena);
   if (l && l->has_redundant_rows && km_local_reserve_tangents(l, l->has_basis) && !is_permanently_shaky(l))
     out = depart(l, m->column_of[coordinate], driver_step * m->factor[coordinate] / m->unit[coordinate], &arena);
   out.branch_count = arena.failed ? -1 : out.branch_count;

@@ -7,7 +7,7 @@
 #include "local/constant_rank.h"
 
 #include "kinematics/loop_equations.h"
-#include "linalg/partition.h"
+#include "linalg/factor.h"
 #include "local/local_private.h"
 
 #include <string.h>
@@ -68,8 +68,8 @@ static bool find_constant_rank_tangents(tangent_split *p, int known) {
 /* Divides the tangents at the state's configuration. False if none are of constant rank, all are, or another number
  * than known. */
 static bool split_tangents(tangent_split *p, const km_mechanism *m, km_state *s, int index, int known,
-                           km_arena *arena) {
-  *p = (tangent_split){.l = km_local_create(m, s, index, NULL, arena)};
+                           double min_tolerance, km_arena *arena) {
+  *p = (tangent_split){.l = km_local_create(m, s, index, NULL, min_tolerance, arena)};
   return p->l && p->l->freedom > 0 && km_local_reserve_tangents(p->l, true) && km_local_update_conditions(p->l) &&
          find_constant_rank_tangents(p, known);
 }
@@ -111,8 +111,8 @@ static bool solve_deflation(const tangent_split *p, const double *defect, double
   double *A = KM_ARENA_NEW(l->arena, double, (size_t)(rows * others));
   double *square = KM_ARENA_NEW(l->arena, double, (size_t)(others * others)),
          *b = KM_ARENA_NEW(l->arena, double, (size_t)others);
-  km_partition normal;
-  if (l->arena->failed || !km_partition_reserve(&normal, others, others, l->arena))
+  km_factor *normal = km_factor_create(others, others, NULL, l->arena);
+  if (l->arena->failed)
     return false;
   for (int o = 0; o < others; ++o)
     for (int i = 0; i < rows; ++i)
@@ -124,9 +124,9 @@ static bool solve_deflation(const tangent_split *p, const double *defect, double
       for (int q = 0; q < others; ++q)
         square[q * others + o] += A[o * rows + i] * A[q * rows + i];
     }
-  km_partition_factor(&normal, square, others, others, NULL, 1e-12);
-  km_partition_solve(&normal, b, y);
-  return normal.rank == others;
+  km_factor_compute(normal, square, others, others, &(km_factor_options){.tolerance = 1e-12});
+  km_factor_solve(normal, b, y);
+  return km_factor_rank(normal) == others;
 }
 
 /* The deflation step in the scaled coordinates, corrected along U so that the driver is fixed. Returns |x|_∞; infinite:
@@ -160,8 +160,8 @@ static double apply_deflation_step(km_constant_rank *st, const km_mechanism *m, 
   km_arena arena = {0};
   tangent_split p = {0};
   double *x = KM_ARENA_NEW(&arena, double, (size_t)sub->columns), size = HUGE_VAL;
-  if (x && split_tangents(&p, m, s, index, st->count, &arena) && s->partition[index].rank == st->rank &&
-      store_tangents(st, &p))
+  if (x && split_tangents(&p, m, s, index, st->count, st->rank_tolerance, &arena) &&
+      km_factor_rank(s->factor[index]) == st->rank && store_tangents(st, &p))
     size = compute_deflation_step(st, &p, driver, x);
   if (size > km_residual_tolerance && size < km_longest_local_step && size < last)
     km_state_move(m, s, sub, x);
@@ -170,8 +170,10 @@ static double apply_deflation_step(km_constant_rank *st, const km_mechanism *m, 
 }
 
 /* Closes the primary rows to full accuracy: the last Newton step, below the tolerance, is applied too. */
-static bool close_exactly(const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {
-  if (km_loops_close(m, s, index, driver, evidence) == KM_OPEN)
+static bool close_exactly(const km_constant_rank *st, const km_mechanism *m, km_state *s, int index, int driver,
+                          km_closure *evidence) {
+  const km_pivoting pivoting = {.driver = driver, .min_relative_pivot = st->rank_tolerance};
+  if (km_loops_close_by(m, s, index, &pivoting, evidence) == KM_OPEN)
     return false;
   km_state_move(m, s, &m->substructures[index], evidence->last_step);
   return true;
@@ -187,14 +189,15 @@ static bool deflate(km_constant_rank *st, const km_mechanism *m, km_state *s, in
     size = apply_deflation_step(st, m, s, index, driver, last);
     if (size >= last) /* step no longer decreases: converged to rounding, or diverging */
       return last < km_step_tolerance;
-    if (size != 0.0 && !close_exactly(m, s, index, driver, evidence))
+    if (size != 0.0 && !close_exactly(st, m, s, index, driver, evidence))
       return false;
   }
   return size < km_step_tolerance;
 }
 
-static void update_rank_tolerance(km_constant_rank *st, const km_partition *p) {
-  st->rank_tolerance = p->last_pivot / (km_max_pivot_shrinkage * p->scale);
+static void update_rank_tolerance(km_constant_rank *st, const km_factor *p) {
+  const km_factor_evidence evidence = km_factor_get_evidence(p);
+  st->rank_tolerance = evidence.last_pivot / (km_max_pivot_shrinkage * evidence.scale);
 }
 
 /* Largest residual of secondary rows on the motion: the stated closure tolerance, else that of exact data. */
@@ -206,18 +209,16 @@ static double max_residual(const km_mechanism *m) {
 bool km_constant_rank_close(km_constant_rank *st, const km_mechanism *m, km_state *s, int index, int driver,
                             km_closure *evidence) {
   const km_substructure *sub = &m->substructures[index];
-  km_partition *p = &s->partition[index];
+  km_factor *p = s->factor[index];
   int worst;
-  p->min_relative_pivot = st->rank_tolerance;
-  bool converged = close_exactly(m, s, index, driver, evidence);
+  bool converged = close_exactly(st, m, s, index, driver, evidence);
   double correction = evidence->correction;
   converged = converged && deflate(st, m, s, index, driver, evidence);
   km_loops_update(m, s, sub);
   evidence->residual = km_loops_residual(m, s, sub, &worst);
   evidence->correction = correction;
   km_search_pivots(m, s, index, driver, st->rank_tolerance);
-  p->min_relative_pivot = 0.0;
-  converged = converged && p->rank == st->rank && evidence->residual <= max_residual(m);
+  converged = converged && km_factor_rank(p) == st->rank && evidence->residual <= max_residual(m);
   if (converged)
     update_rank_tolerance(st, p);
   return converged;
@@ -227,8 +228,8 @@ bool km_constant_rank_close(km_constant_rank *st, const km_mechanism *m, km_stat
 bool km_constant_rank_update(km_constant_rank *st, const km_mechanism *m, km_state *s, int index) {
   km_arena arena = {0};
   tangent_split at_start = {0};
-  bool converged = split_tangents(&at_start, m, s, index, st->count, &arena) && s->partition[index].rank == st->rank &&
-                   store_tangents(st, &at_start);
+  bool converged = split_tangents(&at_start, m, s, index, st->count, 0.0, &arena) &&
+                   km_factor_rank(s->factor[index]) == st->rank && store_tangents(st, &at_start);
   km_arena_free(&arena);
   return converged;
 }
@@ -257,7 +258,7 @@ static step_outcome step_along_motion(km_constant_rank *st, const km_mechanism *
     return evidence.residual > fabs(step * step * step) ? LOOPS_OPEN : RANK_CHANGED; /* a contact above third order */
   km_update_and_search_pivots(m, s, index, KM_NO_DRIVER, evidence.residual);
   bool exact = m->closure_tolerance_given || evidence.residual <= km_residual_tolerance;
-  return exact && s->partition[index].rank == st->rank ? STEP_ACCEPTED : RANK_CHANGED;
+  return exact && km_factor_rank(s->factor[index]) == st->rank ? STEP_ACCEPTED : RANK_CHANGED;
 }
 
 /* True if rank and dimension stay for four steps ahead or back. The end of a motion can be near on either side; shorter
@@ -287,12 +288,12 @@ static bool keeps_rank_along_motion(km_constant_rank *st, const km_mechanism *m,
 static bool begin_motion(km_constant_rank *st, const km_mechanism *m, km_state *s, int index, int driver,
                          km_arena *arena) {
   const km_substructure *sub = &m->substructures[index];
-  km_partition *p = &s->partition[index];
+  km_factor *p = s->factor[index];
   size_t n = (size_t)sub->columns;
   tangent_split at_start = {0};
-  if (!split_tangents(&at_start, m, s, index, 0, arena) || may_others_be_finite(&at_start))
+  if (!split_tangents(&at_start, m, s, index, 0, 0.0, arena) || may_others_be_finite(&at_start))
     return false;
-  st->rank = p->rank;
+  st->rank = km_factor_rank(p);
   km_update_and_search_pivots(m, s, index, driver, 0.0); /* pivots with the driver forced: near its dead point the last
                                                           * pivot is small */
   update_rank_tolerance(st, p);
@@ -305,11 +306,11 @@ static bool begin_motion(km_constant_rank *st, const km_mechanism *m, km_state *
 bool km_constant_rank_begin(km_constant_rank *st, const km_mechanism *m, km_state *s, int index, int driver,
                             km_arena *arena) {
   const km_substructure *sub = &m->substructures[index];
-  km_partition *p = &s->partition[index];
+  km_factor *p = s->factor[index];
   km_arena scratch = {0};
-  int freedom = km_partition_freedom(p);
+  int freedom = km_factor_freedom(p);
   st->is_active = false;
-  if (freedom < 2 || freedom > KM_MANY_VECTORS || p->rank == sub->rows || !km_local_is_small(sub))
+  if (freedom < 2 || freedom > KM_MANY_VECTORS || km_factor_rank(p) == sub->rows || !km_local_is_small(sub))
     return true;
   if (st->capacity < freedom) {
     st->Z = KM_ARENA_NEW(arena, double, (size_t)freedom *(size_t)sub->columns);

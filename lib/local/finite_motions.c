@@ -97,7 +97,7 @@ static bool is_single_family(km_local *l, km_finite_mobility *out) {
 /* Returns the dimension of the branch on which the state lies; 1, undecided, if it is not one family of tangents. */
 static int find_branch_dimension(const km_local *from, bool *undecided) {
   km_arena arena = {0};
-  km_local *l = km_local_create(from->m, from->s, from->index, from->passive, &arena);
+  km_local *l = km_local_create(from->m, from->s, from->index, from->passive, 0.0, &arena);
   int dimension = 1;
   if (l && l->freedom > 1 && km_local_reserve_tangents(l, from->has_basis)) {
     bool is_known = is_single_family(l, NULL);
@@ -146,17 +146,17 @@ static void add_tangent_space(branch_spaces *spaces, km_local *l) {
     return;
   km_state_restore(l->s, l->sub, l->origin);
   km_state_move(l->m, l->s, l->sub, l->chord);
-  bool closed = km_close_fully(km_loops_close, l->m, l->s, l->index, KM_NO_DRIVER, &evidence) == KM_CLOSED;
-  const km_partition *p = &l->s->partition[l->index];
-  int freedom = km_partition_freedom(p) - l->passive_count;
+  bool closed =
+      km_loops_close_fully(l->m, l->s, l->index, &(km_pivoting){.driver = KM_NO_DRIVER}, &evidence) == KM_CLOSED;
+  km_factor *p = l->s->factor[l->index];
+  int freedom = km_factor_freedom(p) - l->passive_count;
   if (!closed || freedom < 2 || freedom >= k)
     return;
-  double *Z = KM_ARENA_NEW(l->arena, double, (size_t)freedom *(size_t)n);
+  const double *Z = km_factor_null_space(p, freedom);
   double *coefficient = KM_ARENA_NEW(l->arena, double, (size_t)k), *V = tangent_space(spaces, spaces->count);
   int rows = 0;
   if (!Z || !coefficient)
     return;
-  km_partition_null_space(p, l->weight, freedom, Z);
   for (int i = 0; i < freedom; ++i) {
     for (int r = 0; r < k; ++r) {
       coefficient[r] = 0.0;

@@ -73,25 +73,22 @@ static int choose_fixed_column(const km_local *l, int driver) {
 
 /* Displacement that the misfit of the configuration can cause if other rows become the primary ones. */
 static double repivot_slack(const km_local *l) {
-  const km_partition *p = &l->s->partition[l->index];
-  return p->rank ? 3.0 * l->residual * p->scale / p->smallest_pivot : 0.0;
+  const km_factor *p = l->s->factor[l->index];
+  const km_factor_evidence evidence = km_factor_get_evidence(p);
+  return km_factor_rank(p) ? 3.0 * l->residual * evidence.scale / evidence.smallest_pivot_at_search : 0.0;
 }
 
-/* True if steps need the primary rows only: many freedoms of a sparse factor. */
-static bool needs_rows_only(const km_partition *p) {
-  return p->sparse && km_partition_freedom(p) > KM_MAX_BASIS_FREEDOM;
-}
-
-/* Requests primary rows only where these suffice. */
-static void request_rows_only(const km_local *l) {
-  km_partition *p = &l->s->partition[l->index];
-  p->rows_only = needs_rows_only(p);
+/* Basis that steps need: with many freedoms the primary rows suffice. */
+static km_factor_basis needed_basis(const km_factor *p) {
+  return km_factor_freedom(p) > KM_MAX_BASIS_FREEDOM ? KM_BASIS_NONE : KM_BASIS_SHORT;
 }
 
 /* True if the present pivots suffice for the next step. Further on more rows can be independent and fewer motions
  * remain. */
-static bool are_pivots_sufficient(const km_partition *p) {
-  return p->rows_only == needs_rows_only(p) && (p->rank == p->rows || (km_partition_freedom(p) <= 1 && !p->rows_only));
+static bool are_pivots_sufficient(const km_local *l, const km_factor *p) {
+  const bool has_null_vectors = km_factor_has_null_vectors(p);
+  return (has_null_vectors || needed_basis(p) == KM_BASIS_NONE) &&
+         (km_factor_rank(p) == l->sub->rows || (km_factor_freedom(p) <= 1 && has_null_vectors));
 }
 
 /* Takes the step `move` and closes the loops with the column `driver` fixed. False, and the state is restored, if the
@@ -102,16 +99,16 @@ static bool take_step(km_local *l, int driver, double length, double *misfit) {
   double moved = fastest_column(l->move, l->sub->columns, &column);
   double largest =
       length > 0.0 ? 3.0 * fmax(*misfit, km_exact_misfit) * pow(1.0 + moved / length, max_order) : HUGE_VAL;
-  km_partition *p = &l->s->partition[l->index];
-  request_rows_only(l);
+  const km_factor *p = l->s->factor[l->index];
+  const km_pivoting pivoting = {.driver = driver, .driver_never_pivot = true, .basis = needed_basis(p)};
   km_state_save(l->s, l->sub, l->last);
   km_state_move(l->m, l->s, l->sub, l->move);
   double step_length = km_step_length(l->m, l->sub, l->move);
-  bool closed = km_close_with_driver(l->m, l->s, l->index, driver, &evidence) != KM_OPEN;
+  bool closed = km_loops_close_by(l->m, l->s, l->index, &pivoting, &evidence) != KM_OPEN;
   if (closed && evidence.residual <= largest &&
       evidence.correction <= (length > 0.0 ? 0.3 : 0.05) * step_length + repivot_slack(l)) {
     *misfit = evidence.residual;
-    if (!are_pivots_sufficient(p))
+    if (!are_pivots_sufficient(l, p))
       km_state_invalidate_pivots(l->s, l->index);
     return true;
   }
@@ -127,11 +124,12 @@ static void scale_move(km_local *l, double factor) {
 /* Predicts the next move of size h: along the tangent (null vector of J) if there is one freedom, with the fixed
  * coordinate as its independent one; else along the last move (secant). */
 static void predict(km_local *l, int driver, double h) {
-  const km_partition *p = &l->s->partition[l->index];
+  const km_factor *p = l->s->factor[l->index];
   int column, n = l->sub->columns;
   double *t = l->tangent;
-  if (km_partition_freedom(p) == 1 && p->column[p->rank] == driver && !p->rows_only) {
-    km_partition_null_vector(p, driver, t);
+  if (km_factor_freedom(p) == 1 && km_factor_column_order(p)[km_factor_rank(p)] == driver &&
+      km_factor_has_null_vectors(p)) {
+    km_factor_null_vector(p, driver, t);
     double sign = copysign(1.0, km_step_dot(l->m, l->sub, t, l->move)), size = fastest_column(t, n, &column);
     for (int c = 0; c < n && isfinite(size); ++c)
       l->move[c] = sign * t[c] / size;
@@ -177,7 +175,7 @@ km_followed_tangent km_local_follow(km_local *l, const double *direction, double
   double size = fastest_column(direction, columns, &column);
   for (int c = 0; c < columns; ++c)
     l->move[c] = sign * h * direction[c] / size;
-  km_partition_stash(l->s, l->index);
+  km_factor_stash(l->s, l->index);
   km_state_restore(l->s, l->sub, l->origin);
   km_state_invalidate_pivots(l->s, l->index);
   /* The curve is followed beyond that length, so that the order of contact can be estimated. */
@@ -201,8 +199,7 @@ km_followed_tangent km_local_follow(km_local *l, const double *direction, double
     h = fmin(1.5 * h, km_longest_local_step);
     predict(l, driver, h);
   }
-  l->s->partition[l->index].rows_only = false;
-  km_partition_unstash(l->s, l->index);
+  km_factor_unstash(l->s, l->index);
   km_state_invalidate_pivots(l->s, l->index);
   result.verdict = decide_verdict(l, &r, tolerance, length >= confirmed_length);
   return result;
@@ -211,14 +208,13 @@ km_followed_tangent km_local_follow(km_local *l, const double *direction, double
 /* Compares the freedom at the end of a followed curve with that of the configuration. */
 bool km_local_has_dropped(km_local *l) {
   int worst;
-  km_partition_stash(l->s, l->index);
+  km_factor_stash(l->s, l->index);
   km_loops_update(l->m, l->s, l->sub);
   double residual = km_loops_residual(l->m, l->s, l->sub, &worst);
-  request_rows_only(l);
-  km_search_pivots(l->m, l->s, l->index, KM_NO_DRIVER, km_rank_tolerance(l->m, l->sub, residual));
-  bool fewer = km_partition_freedom(&l->s->partition[l->index]) < l->freedom + l->passive_count;
-  l->s->partition[l->index].rows_only = false;
-  km_partition_unstash(l->s, l->index);
+  const km_pivoting pivoting = {.driver = KM_NO_DRIVER, .basis = needed_basis(l->s->factor[l->index])};
+  km_search_pivots_by(l->m, l->s, l->index, &pivoting, km_rank_tolerance(l->m, l->sub, residual));
+  bool fewer = km_factor_freedom(l->s->factor[l->index]) < l->freedom + l->passive_count;
+  km_factor_unstash(l->s, l->index);
   km_state_invalidate_pivots(l->s, l->index);
   return fewer;
 }

@@ -32,7 +32,7 @@ static void choose_random_motion(const km_mechanism *m, km_state *s, int index, 
   int columns = m->substructures[index].columns;
   double fastest = 0.0;
   km_arena arena = {0};
-  km_local *l = km_local_create(m, s, index, NULL, &arena);
+  km_local *l = km_local_create(m, s, index, NULL, 0.0, &arena);
   bool is_mobile = l && km_local_reserve_tangents(l, false) && km_local_draw(l, &l->random, l->a);
   if (is_mobile && km_local_violates_second_order(l, l->a)) {
     for (int c = 0; c < columns; ++c)
@@ -79,31 +79,30 @@ static bool move_at_constant_rank(const km_mechanism *m, km_state *s, int index,
 /* Moves to the neighbouring configuration q₁ and factors its Jacobian. */
 bool km_generic_neighbour_enter(const km_mechanism *m, km_state *s, int index, double *saved, double *move) {
   const km_substructure *sub = &m->substructures[index];
-  const km_partition *p = &s->partition[index];
-  bool is_mobile = km_partition_freedom(p) > 0, sample = km_partition_freedom(p) > KM_MANY_VECTORS;
+  const km_factor *p = s->factor[index];
+  bool is_mobile = km_factor_freedom(p) > 0, sample = km_factor_freedom(p) > KM_MANY_VECTORS;
   km_closure evidence;
   if (!sample)
-    combine_motions(m, index, km_state_basis(s, index), km_partition_freedom(p), move);
-  km_partition_stash(s, index);
+    combine_motions(m, index, km_state_basis(s, index), km_factor_freedom(p), move);
+  km_factor_stash(s, index);
   if (!sample && is_mobile && move_at_constant_rank(m, s, index, saved, move))
     return true;
-  s->partition[index].rows_only = p->sparse && sample;
   if (sample)
     choose_random_motion(m, s, index, move);
   km_state_save(s, sub, saved);
   km_state_move(m, s, sub, move);
   km_state_invalidate_pivots(s, index);
-  if (!is_mobile || km_loops_close(m, s, index, KM_NO_DRIVER, &evidence) != KM_CLOSED)
+  const km_pivoting pivoting = {.driver = KM_NO_DRIVER, .basis = sample ? KM_BASIS_NONE : KM_BASIS_SHORT};
+  if (!is_mobile || km_loops_close_by(m, s, index, &pivoting, &evidence) != KM_CLOSED)
     return false;
   km_poses_compute_in(m, s, index);
-  km_search_pivots(m, s, index, KM_NO_DRIVER, km_rank_tolerance(m, sub, evidence.residual));
+  km_search_pivots_by(m, s, index, &pivoting, km_rank_tolerance(m, sub, evidence.residual));
   return true;
 }
 
 /* Restores the configuration, its partition and its poses. */
 void km_generic_neighbour_leave(const km_mechanism *m, km_state *s, int index, const double *saved) {
-  s->partition[index].rows_only = false;
-  km_partition_unstash(s, index);
+  km_factor_unstash(s, index);
   km_loops_restore_cached(m, s, index, saved);
   km_poses_compute_in(m, s, index);
 }

@@ -24,7 +24,7 @@ static bool is_basis_affordable(const km_local *l) {
 }
 
 km_local *km_local_create(const km_mechanism *m, km_state *s, int index, const km_passive_freedoms *passive,
-                          km_arena *arena) {
+                          double min_tolerance, km_arena *arena) {
   const km_substructure *sub = &m->substructures[index];
   km_local *l = KM_ARENA_NEW(arena, km_local, 1);
   int worst;
@@ -41,11 +41,11 @@ km_local *km_local_create(const km_mechanism *m, km_state *s, int index, const k
                   .residual = km_loops_residual(m, s, sub, &worst),
                   .min_verdict = KM_TANGENT_CONFIRMED,
                   .random = 1};
-  l->tolerance = fmax(km_rank_tolerance(m, sub, l->residual), s->partition[index].min_relative_pivot);
+  l->tolerance = fmax(km_rank_tolerance(m, sub, l->residual), min_tolerance);
   l->noise = fmax(1e-7, 100.0 * l->residual);
   km_search_pivots(m, s, index, KM_NO_DRIVER, l->tolerance);
-  l->freedom = km_partition_freedom(&s->partition[index]);
-  l->has_redundant_rows = s->partition[index].rank < sub->rows;
+  l->freedom = km_factor_freedom(s->factor[index]);
+  l->has_redundant_rows = km_factor_rank(s->factor[index]) < sub->rows;
   for (int i = 0; passive && i < passive->count; ++i)
     l->known_passive += passive->items[i].substructure == index ? passive->items[i].freedoms : 0;
   l->has_basis = is_basis_affordable(l);
@@ -55,7 +55,7 @@ km_local *km_local_create(const km_mechanism *m, km_state *s, int index, const k
   double **vectors[] = {&l->chord, &l->secant, &l->move, &l->tangent, &l->direction};
   for (size_t i = 0; i < sizeof vectors / sizeof *vectors; ++i)
     *vectors[i] = KM_ARENA_NEW(arena, double, (size_t)sub->columns);
-  arena->failed = arena->failed || s->partition[index].failed;
+  arena->failed = arena->failed || km_factor_has_failed(s->factor[index]);
   if (arena->failed)
     return NULL;
   km_state_save(s, sub, l->origin);
@@ -85,10 +85,10 @@ bool km_local_reserve_tangents(km_local *l, bool with_basis) {
   l->a = KM_ARENA_NEW(l->arena, double, (size_t)l->size);
   l->previous = KM_ARENA_NEW(l->arena, double, (size_t)l->size);
   l->work = KM_ARENA_NEW(l->arena, double, with_basis ? 4 * k *k + 8 * k : n);
-  if (with_basis)
-    l->Z = KM_ARENA_NEW(l->arena, double, k *n);
-  if (!l->arena->failed && with_basis)
-    km_partition_null_space(&l->s->partition[l->index], l->weight, (int)k, l->Z);
+  const double *Z = with_basis ? km_factor_null_space(l->s->factor[l->index], l->freedom) : NULL;
+  if (Z && (l->Z = KM_ARENA_NEW(l->arena, double, k *n)))
+    memcpy(l->Z, Z, k * n * sizeof *Z);
+  l->arena->failed = l->arena->failed || (with_basis && !Z);
   return !l->arena->failed;
 }
 
@@ -113,7 +113,7 @@ void km_local_direction(const km_local *l, const double *a, double *x) {
 /* x minus its minimum-norm part: projection onto the null space of J, normalised. */
 double km_tangent_project(const km_mechanism *m, km_state *s, int index, double *x, double *projection) {
   const km_substructure *sub = &m->substructures[index];
-  const bool *locked = s->partition[index].locked;
+  const bool *locked = km_state_locked_columns(s, index);
   for (int c = 0; c < sub->columns; ++c) {
     x[c] = locked && locked[c] ? 0.0 : x[c];
     projection[c] = x[c];

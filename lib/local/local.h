@@ -20,10 +20,10 @@ typedef struct km_local km_local;
 #define KM_INDEPENDENT 1e-3
 
 /* Creates the analysis at the state's closed configuration, in the arena. `passive`: known passive freedoms of the
- * mechanism, which are separated from the others; NULL: none are known. The queries move the state. NULL when out of
- * memory. */
+ * mechanism, which are separated from the others; NULL: none are known. The rank tolerance is at least `min_tolerance`.
+ * The queries move the state. NULL when out of memory. */
 km_local *km_local_create(const km_mechanism *mechanism, km_state *state, int substructure,
-                          const km_passive_freedoms *passive, km_arena *arena);
+                          const km_passive_freedoms *passive, double min_tolerance, km_arena *arena);
 /* Restores the configuration with its errors and J; pivots become stale. */
 void km_local_restore(km_local *local);
 void km_local_free(km_local *local);

@@ -1,24 +1,22 @@
 /* Orthonormal bases of null spaces and of subspaces of the tangents. */
 #include "local/local_private.h"
 
-#include "linalg/partition.h"
+#include "linalg/factor.h"
 
 #include <string.h>
 
 int km_dense_null_space(const double *A, int rows, int columns, double tolerance, km_arena *arena, double **N) {
   km_arena scratch = {0};
-  km_partition p;
-  double *unit_weight = KM_ARENA_NEW(&scratch, double, (size_t)columns);
+  km_factor *p = km_factor_create(rows, columns, NULL, &scratch);
   int dimension = -1;
-  for (int c = 0; c < columns && unit_weight; ++c)
-    unit_weight[c] = 1.0;
-  if (km_partition_reserve(&p, rows, columns, &scratch)) {
-    km_partition_factor(&p, A, rows, columns, NULL, tolerance);
-    dimension = km_partition_freedom(&p);
+  if (p) {
+    km_factor_compute(p, A, rows, columns, &(km_factor_options){.tolerance = tolerance});
+    dimension = km_factor_freedom(p);
     *N = KM_ARENA_NEW(arena, double, (size_t)dimension *(size_t)columns + 1);
-    if (*N)
-      km_partition_null_space(&p, unit_weight, dimension, *N);
-    dimension = *N ? dimension : -1;
+    const double *Z = *N ? km_factor_null_space(p, dimension) : NULL;
+    if (Z)
+      memcpy(*N, Z, (size_t)dimension * (size_t)columns * sizeof *Z);
+    dimension = Z ? dimension : -1;
   }
   km_arena_free(&scratch);
   return dimension;

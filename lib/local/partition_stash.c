@@ -3,31 +3,25 @@
 
 /* Swaps the present and the stored partition. */
 static void swap_partitions(km_state *s, int index) {
-  km_partition *p = &s->partition[index], current = *p;
-  *p = s->stashed[index].stored;
-  s->stashed[index].stored = current;
-  s->basis[index].count = 0; /* Z belongs to the partition that was replaced */
+  km_factor_swap(s->factor[index], s->stashed[index].stored);
 }
 
 /* Continues with a copy of the pivots in a second partition. */
-void km_partition_stash(km_state *s, int index) {
-  const km_substructure *sub = &s->mechanism->substructures[index];
-  const km_partition *p = &s->partition[index];
-  km_stashed_partition *a = &s->stashed[index];
-  if (!p->sparse || a->is_swapped)
+void km_factor_stash(km_state *s, int index) {
+  km_stashed_factor *a = &s->stashed[index];
+  if (!s->mechanism->substructures[index].pattern.start || a->is_swapped)
     return;
-  a->is_reserved =
-      a->is_reserved || km_partition_reserve_like(&a->stored, p, sub->rows, sub->columns, s->basis[index].arena);
-  if (!a->is_reserved)
+  if (!a->stored)
+    a->stored = km_factor_create_like(s->factor[index], &s->arena);
+  if (!a->stored)
     return;
-  a->stored.locked = p->locked;
-  km_partition_copy_pivots(&a->stored, p);
-  a->is_swapped = !a->stored.failed;
+  km_factor_copy_pivots(a->stored, s->factor[index]);
+  a->is_swapped = !km_factor_has_failed(a->stored);
   if (a->is_swapped)
     swap_partitions(s, index);
 }
 
-void km_partition_unstash(km_state *s, int index) {
+void km_factor_unstash(km_state *s, int index) {
   if (s->stashed[index].is_swapped)
     swap_partitions(s, index);
   s->stashed[index].is_swapped = false;

@@ -5,9 +5,9 @@
 #include "kinematics/state.h"
 
 /* Replaces the state's partition of a large substructure by a second one with the same pivots until
- * km_partition_unstash, so that the factorisation of the configuration need not be repeated. Without memory, and for
+ * km_factor_unstash, so that the factorisation of the configuration need not be repeated. Without memory, and for
  * small substructures, nothing changes. */
-void km_partition_stash(km_state *state, int substructure);
-void km_partition_unstash(km_state *state, int substructure);
+void km_factor_stash(km_state *state, int substructure);
+void km_factor_unstash(km_state *state, int substructure);
 
 #endif

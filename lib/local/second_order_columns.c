@@ -34,7 +34,7 @@ struct km_second_order_columns {
 /* Lists the entries of J by row, without locked columns. */
 static bool create_row_lists(km_second_order_columns *c, const km_local *l) {
   const km_substructure *sub = l->sub;
-  const bool *locked = l->s->partition[l->index].locked;
+  const bool *locked = km_state_locked_columns(l->s, l->index);
   const km_pattern *pattern = &sub->pattern;
   c->row_start = KM_ARENA_NEW(l->arena, int, (size_t)sub->rows + 2);
   c->column = KM_ARENA_NEW(l->arena, int, pattern->size);
@@ -66,25 +66,25 @@ static bool create_row_lists(km_second_order_columns *c, const km_local *l) {
 static bool find_left_null_vectors(km_second_order_columns *c, const km_local *l, km_arena *scratch) {
   int rows = l->sub->rows, entries = c->row_start[rows];
   size_t row_capacity = 0, value_capacity = 0;
-  km_partition p;
   double *values = KM_ARENA_NEW(scratch, double, (size_t)entries),
          *entry = KM_ARENA_NEW(scratch, double, (size_t)rows + 1);
   int *row = KM_ARENA_NEW(scratch, int, (size_t)rows + 1);
-  if (scratch->failed || !km_partition_reserve_sparse(&p, l->sub->columns, rows, c->row_start, c->column, scratch))
+  km_factor *p = km_factor_create_sparse(l->sub->columns, rows, c->row_start, c->column, NULL, scratch);
+  if (!p)
     return false;
   for (int i = 0; i < entries; ++i)
     values[i] = c->J[c->value_index[i]];
-  p.unrestricted_basis = true;
-  km_partition_factor(&p, values, l->sub->columns, rows, NULL, l->tolerance);
-  c->rank = p.rank;
-  c->conditions = km_partition_freedom(&p);
-  c->primary = KM_ARENA_NEW(l->arena, int, (size_t)p.rank);
+  km_factor_compute(p, values, l->sub->columns, rows,
+                    &(km_factor_options){.tolerance = l->tolerance, .basis = KM_BASIS_ENTRIES});
+  c->rank = km_factor_rank(p);
+  c->conditions = km_factor_freedom(p);
+  c->primary = KM_ARENA_NEW(l->arena, int, (size_t)c->rank);
   c->w_start = KM_ARENA_NEW(l->arena, int, (size_t)c->conditions + 1);
-  if (p.failed || l->arena->failed)
+  if (km_factor_has_failed(p) || l->arena->failed)
     return false;
-  memcpy(c->primary, p.column, (size_t)p.rank * sizeof *c->primary);
+  memcpy(c->primary, km_factor_column_order(p), (size_t)c->rank * sizeof *c->primary);
   for (int k = 0; k < c->conditions; ++k) {
-    int first = c->w_start[k], count = km_partition_null_entries(&p, k, row, entry);
+    int first = c->w_start[k], count = km_factor_null_entries(p, k, row, entry);
     double square = 0.0;
     if (!km_arena_grow(l->arena, (void **)&c->w_row, &row_capacity, (size_t)(first + count), sizeof *c->w_row) ||
         !km_arena_grow(l->arena, (void **)&c->w, &value_capacity, (size_t)(first + count), sizeof *c->w))

@@ -92,7 +92,7 @@ static void add_substructure_columns(point_motion *p, int index) {
   const km_mechanism *m = h->mechanism;
   const km_substructure *sub = &m->substructures[index];
   const double *Z = km_state_basis(h->state, index);
-  int freedom = km_partition_freedom(&h->state->partition[index]);
+  int freedom = km_factor_freedom(h->state->factor[index]);
   const int *coordinate = m->column_coordinate + sub->column_start;
   for (int i = 0; i < freedom; ++i) {
     km_vec3 v = {0, 0, 0};
@@ -139,7 +139,7 @@ static double find_step(point_motion *p) {
     const km_substructure *sub = &m->substructures[h->substructures[i]];
     const double *Z = km_state_basis(h->state, h->substructures[i]);
     const int *coordinate = m->column_coordinate + sub->column_start;
-    for (int f = km_partition_freedom(&h->state->partition[h->substructures[i]]); f > 0; --f, ++k, Z += sub->columns)
+    for (int f = km_factor_freedom(h->state->factor[h->substructures[i]]); f > 0; --f, ++k, Z += sub->columns)
       for (int c = 0; c < sub->columns; ++c)
         h->z[coordinate[c]] += h->w[k] * Z[c];
   }
@@ -217,11 +217,11 @@ static bool stays_on_branch(km_manipulation *h, int index, double part, const km
   for (int k = 0; k < sub->columns; ++k)
     size += h->z[coordinate[k]] * h->z[coordinate[k]];
   if (evidence->correction > max_correction * part * sqrt(size) + 1e-9 ||
-      h->state->partition[index].rank < h->rank[index])
+      km_factor_rank(h->state->factor[index]) < h->rank[index])
     return false;
   km_numbers_update(m, h->state, index);
   const double *Z = km_state_basis(h->state, index);
-  for (int f = km_partition_freedom(&h->state->partition[index]); f > 0; --f, Z += sub->columns) {
+  for (int f = km_factor_freedom(h->state->factor[index]); f > 0; --f, Z += sub->columns) {
     double dot = 0.0;
     for (int k = 0; k < sub->columns; ++k)
       dot += Z[k] * h->z[coordinate[k]];
@@ -300,7 +300,7 @@ static km_status leave_branch_points(point_motion *p, km_error *error) {
   update_state(h);
   find_path(p);
   for (int i = 0; i < h->substructure_count_on_path; ++i) {
-    int rank = h->state->partition[h->substructures[i]].rank;
+    int rank = km_factor_rank(h->state->factor[h->substructures[i]]);
     h->rank[h->substructures[i]] = rank > h->rank[h->substructures[i]] ? rank : h->rank[h->substructures[i]];
   }
   return KM_OK;

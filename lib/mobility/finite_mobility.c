@@ -15,7 +15,7 @@ typedef struct search {
 
 static km_status search_substructure(void *self, int index, km_arena *arena, km_error *error) {
   const search *f = self;
-  km_local *l = km_local_create(f->m, f->s, index, &f->passive, arena);
+  km_local *l = km_local_create(f->m, f->s, index, &f->passive, 0.0, arena);
   (void)error;
   f->out->mobility += l ? km_local_find_motions(l, f->out) : 0;
   km_local_restore(l);

@@ -59,14 +59,15 @@ static void note_rigid_by_rounding(const km_mechanism *m, km_state *s, int index
       1e-3; /* relative to the largest pivot, with redundant constraints: the error of three digits */
   static const double regular_pivot = 1e-4; /* relative to the largest pivot, without redundant constraints */
   const km_substructure *sub = &m->substructures[index];
-  const km_partition *p = &s->partition[index];
+  const km_factor *p = s->factor[index];
   km_suggestion suggestion;
-  if (m->closure_tolerance_given || p->sparse || sub->loop_count == 0)
+  if (m->closure_tolerance_given || sub->pattern.start || sub->loop_count == 0)
     return;
   km_update_and_search_pivots(m, s, index, KM_NO_DRIVER, 0.0);
-  double pivot = p->rank > 0 ? p->last_pivot / p->scale : 1.0;
-  bool is_redundant = p->rank < sub->rows;
-  if (km_partition_freedom(p) > 0 || pivot > (is_redundant ? redundant_pivot : regular_pivot) ||
+  const km_factor_evidence evidence = km_factor_get_evidence(p);
+  double pivot = km_factor_rank(p) > 0 ? evidence.last_pivot / evidence.scale : 1.0;
+  bool is_redundant = km_factor_rank(p) < sub->rows;
+  if (km_factor_freedom(p) > 0 || pivot > (is_redundant ? redundant_pivot : regular_pivot) ||
       !km_assemble_suggest(m, index, 1, &suggestion) ||
       !(is_redundant || is_rounding(m, index, pivot, suggestion.misfit)))
     return;

@@ -270,9 +270,9 @@ static int list_blocks(const reduced_matrix *R, sparse_vector *v, int rows) {
   return count;
 }
 
-static bool add_sparse_vector(const reduced_matrix *R, const km_partition *p, int k, sparse_vector *v, km_arena *arena,
+static bool add_sparse_vector(const reduced_matrix *R, const km_factor *p, int k, sparse_vector *v, km_arena *arena,
                               size_t *capacity, km_left_null *out) {
-  int count = km_partition_null_entries(p, k, v->row, v->entry);
+  int count = km_factor_null_entries(p, k, v->row, v->entry);
   for (int i = 0; i < count; ++i)
     v->w[v->row[i]] = v->entry[i];
   bool added = add_vector(R, v->w, v->blocks, list_blocks(R, v, count), arena, capacity, out);
@@ -284,18 +284,20 @@ static bool add_sparse_vector(const reduced_matrix *R, const km_partition *p, in
 /* Computes one vector for each superfluous row from the sparse factor of Rᵀ: that row and the rows of the factor that
  * combine to it. */
 static bool solve_sparse(reduced_matrix *R, km_arena *scratch, km_arena *arena, km_left_null *out) {
-  km_partition p;
   sparse_vector v;
   size_t capacity = 0;
-  if (!reserve_vector(R, scratch, &v) || !write_rows(R, scratch) ||
-      !km_partition_reserve_sparse(&p, R->a->sub->columns, R->rows, R->start, R->column, scratch))
+  if (!reserve_vector(R, scratch, &v) || !write_rows(R, scratch))
     return false;
-  p.unrestricted_basis = true;
-  km_partition_factor(&p, R->entries, R->a->sub->columns, R->rows, NULL, R->a->tolerance);
-  int found = km_partition_freedom(&p);
-  bool ok = !p.failed && reserve_vectors(found, arena, out);
+  const int columns = R->a->sub->columns;
+  km_factor *p = km_factor_create_sparse(columns, R->rows, R->start, R->column, NULL, scratch);
+  if (!p)
+    return false;
+  km_factor_compute(p, R->entries, columns, R->rows,
+                    &(km_factor_options){.tolerance = R->a->tolerance, .basis = KM_BASIS_ENTRIES});
+  int found = km_factor_freedom(p);
+  bool ok = !km_factor_has_failed(p) && reserve_vectors(found, arena, out);
   for (int n = 0; n < found && ok; ++n)
-    ok = add_sparse_vector(R, &p, n, &v, arena, &capacity, out);
+    ok = add_sparse_vector(R, p, n, &v, arena, &capacity, out);
   return ok;
 }
 

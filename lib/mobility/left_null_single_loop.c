@@ -53,5 +53,6 @@ bool km_left_null_find(const km_left_space *a, km_arena *arena, km_left_null *ou
     out->local_count += count;
   }
   out->first[loops] = out->local_count;
-  return a->rows - a->s->partition[a->index].rank <= out->local_count || km_left_null_find_multiloop(a, arena, out);
+  return a->rows - km_factor_rank(a->s->factor[a->index]) <= out->local_count ||
+         km_left_null_find_multiloop(a, arena, out);
 }

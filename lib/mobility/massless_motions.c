@@ -61,21 +61,21 @@ static double generalised_mass(const km_mechanism *m, const motion *a, const mot
 
 /* True if the matrix G is singular. */
 static bool has_singular_masses(const km_mechanism *m, const motion *motions, int freedom, km_arena *arena) {
-  km_partition p;
+  km_factor *p = km_factor_create(freedom, freedom, NULL, arena);
   double *G = KM_ARENA_NEW(arena, double, (size_t)freedom *(size_t)freedom);
-  if (!km_partition_reserve(&p, freedom, freedom, arena) || !G)
+  if (arena->failed)
     return false;
   for (int k = 0; k < freedom; ++k)
     for (int l = 0; l < freedom; ++l)
       G[(size_t)k * (size_t)freedom + (size_t)l] = generalised_mass(m, &motions[k], &motions[l]);
-  km_partition_factor(&p, G, freedom, freedom, NULL, km_relative_zero);
-  return p.rank < freedom;
+  km_factor_compute(p, G, freedom, freedom, &(km_factor_options){.tolerance = km_relative_zero});
+  return km_factor_rank(p) < freedom;
 }
 
 km_status km_has_massless_motion(const km_mechanism *m, km_state *s, int index, bool *is_massless, km_error *error) {
   km_arena arena = {0};
   const double *Z = km_state_basis(s, index);
-  int freedom = km_partition_freedom(&s->partition[index]), columns = m->substructures[index].columns;
+  int freedom = km_factor_freedom(s->factor[index]), columns = m->substructures[index].columns;
   motion *motions = KM_ARENA_NEW(&arena, motion, (size_t)freedom);
   for (int k = 0; k < freedom && motions; ++k)
     compute_motion(m, s, index, Z + (size_t)k * (size_t)columns, &arena, &motions[k]);

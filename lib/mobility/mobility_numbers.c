@@ -15,10 +15,10 @@ static void write_mobility_numbers(const km_mechanism *m, km_state *s, int index
 
 void km_motions_update(const km_mechanism *m, km_state *s, int index) {
   const km_substructure *sub = &m->substructures[index];
-  const km_partition *p = &s->partition[index];
+  const km_factor *p = s->factor[index];
   /* computed from the row space, independent of B */
-  bool uses_row_space = km_partition_avoids_basis(p);
-  if (s->pivot_driver[index] == KM_NEVER || (!uses_row_space && !(p->max_b <= km_max_good_b))) {
+  bool uses_row_space = km_factor_avoids_basis(p);
+  if (s->pivot_driver[index] == KM_NEVER || (!uses_row_space && !(km_factor_get_evidence(p).max_b <= km_max_good_b))) {
     int worst;
     km_search_pivots(m, s, index, KM_NO_DRIVER, km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst)));
   }
@@ -60,15 +60,15 @@ void km_ranks_update(const km_mechanism *m, km_state *s, km_mobility *out) {
     double residual = km_loops_residual(m, s, sub, &worst);
     km_search_pivots(m, s, i, KM_NO_DRIVER, km_rank_tolerance(m, sub, residual));
     out->residual = fmax(out->residual, residual);
-    out->mobility += km_partition_freedom(&s->partition[i]);
-    out->redundant_constraints -= s->partition[i].rank;
+    out->mobility += km_factor_freedom(s->factor[i]);
+    out->redundant_constraints -= km_factor_rank(s->factor[i]);
   }
 }
 
 km_status km_mobility_check_memory(const km_mechanism *m, km_state *s) {
   km_status status = KM_OK;
   for (int i = 0; i < m->topology.substructure_count; ++i)
-    if (s->partition[i].failed) {
+    if (km_factor_has_failed(s->factor[i])) {
       km_state_invalidate_pivots(s, i);
       status = KM_MEMORY;
     }
@@ -108,16 +108,17 @@ void km_substructure_evidence(const km_mechanism *m, const km_state *s, int inde
   if (!km_state_belongs_to(m, s) || index < 0 || index >= m->topology.substructure_count)
     return;
   const km_substructure *sub = &m->substructures[index];
-  const km_partition *p = &s->partition[index];
+  const km_factor *p = s->factor[index];
   const km_topology *t = &m->topology;
-  double scale = p->scale > 0.0 ? p->scale : 1.0;
+  const km_factor_evidence evidence = km_factor_get_evidence(p);
+  double scale = evidence.scale > 0.0 ? evidence.scale : 1.0;
   *out = (km_substructure_mobility){.joints = t->joint_start[index + 1] - t->joint_start[index],
                                     .loops = sub->loop_count,
                                     .coordinates = sub->columns,
-                                    .rank = p->rank,
-                                    .mobility = km_partition_freedom(p),
-                                    .last_pivot = p->last_pivot / scale,
-                                    .first_dropped = p->first_dropped / scale,
+                                    .rank = km_factor_rank(p),
+                                    .mobility = km_factor_freedom(p),
+                                    .last_pivot = evidence.last_pivot / scale,
+                                    .first_dropped = evidence.first_dropped / scale,
                                     .tolerance = km_rank_tolerance(m, sub, 0.0)};
 }
 

@@ -106,26 +106,15 @@ static bool collect_columns(const body_groups *g, int group, km_arena *arena, gr
 
 /* Returns the dimension of the null space; -1: no memory. */
 static int find_nullity(const body_groups *g, const group_columns *e, km_arena *scratch) {
-  enum { MOST_DENSE_ENTRIES = 10000 };
   const km_substructure *sub = &g->m->substructures[g->index];
   int worst;
   double tolerance = km_rank_tolerance(g->m, sub, km_loops_residual(g->m, g->s, sub, &worst));
-  km_partition p;
-  if ((double)e->rows * e->count > MOST_DENSE_ENTRIES) {
-    if (!km_partition_reserve_sparse(&p, e->rows, e->count, e->start, e->row, scratch))
-      return -1;
-    p.rows_only = true;
-    km_partition_factor(&p, e->value, e->rows, e->count, NULL, tolerance);
-    return p.failed ? -1 : km_partition_freedom(&p);
-  }
-  double *A = KM_ARENA_NEW(scratch, double, (size_t)e->rows *(size_t)e->count);
-  if (!A || !km_partition_reserve(&p, e->rows, e->count, scratch))
+  km_factor *p = km_factor_create_sparse(e->rows, e->count, e->start, e->row, NULL, scratch);
+  if (!p)
     return -1;
-  for (int c = 0; c < e->count; ++c)
-    for (int i = e->start[c]; i < e->start[c + 1]; ++i)
-      A[(size_t)c * (size_t)e->rows + (size_t)e->row[i]] = e->value[i];
-  km_partition_factor(&p, A, e->rows, e->count, NULL, tolerance);
-  return km_partition_freedom(&p);
+  km_factor_compute(p, e->value, e->rows, e->count,
+                    &(km_factor_options){.tolerance = tolerance, .basis = KM_BASIS_NONE});
+  return km_factor_has_failed(p) ? -1 : km_factor_freedom(p);
 }
 
 /* Returns the freedoms of the group with all other bodies at rest; -1: no memory. */
@@ -203,7 +192,7 @@ static bool find_in_groups(const body_groups *g, km_passive_freedoms *out, size_
 /* Returns how many of a group's freedoms are finite motions, for a configuration without a neighbouring one. */
 static int count_finite_freedoms(const body_groups *g, const km_passive_freedom *group) {
   km_arena arena = {0};
-  km_local *l = km_local_create(g->m, g->s, g->index, NULL, &arena);
+  km_local *l = km_local_create(g->m, g->s, g->index, NULL, 0.0, &arena);
   int count = l ? km_local_count_passive(l, group) : -1;
   km_local_restore(l);
   count = arena.failed ? -1 : count;

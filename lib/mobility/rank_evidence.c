@@ -164,7 +164,7 @@ static bool find_by_singular_values(const km_mechanism *m, km_state *s, int inde
   if (arena->failed)
     return false;
   int count = km_svd_values(J, rows, a.sub->columns, &workspace, values);
-  classify_rank(m, values, count, s->partition[index].rank, out);
+  classify_rank(m, values, count, km_factor_rank(s->factor[index]), out);
   return true;
 }
 

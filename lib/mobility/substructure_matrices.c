@@ -49,16 +49,17 @@ km_status km_substructure_null(const km_mechanism *m, const km_state *s, int ind
   km_status status = check_request(m, s, index, N, error);
   if (status)
     return status;
-  const km_partition *p = &s->partition[index];
-  for (int k = 0; k < km_partition_freedom(p); ++k)
-    km_partition_null_vector(p, p->column[p->rank + k], N + (size_t)k * (size_t)p->columns);
+  const km_factor *p = s->factor[index];
+  for (int k = 0; k < km_factor_freedom(p); ++k)
+    km_factor_null_vector(p, km_factor_column_order(p)[km_factor_rank(p) + k],
+                          N + (size_t)k * (size_t)m->substructures[index].columns);
   return KM_OK;
 }
 
 km_status km_substructure_basis(const km_mechanism *m, const km_state *s, int index, double *Z, km_error *error) {
   km_status status = check_request(m, s, index, Z, error);
   const double *basis = status ? NULL : km_state_basis(s, index);
-  size_t count = basis ? (size_t)km_partition_freedom(&s->partition[index]) : 0;
+  size_t count = basis ? (size_t)km_factor_freedom(s->factor[index]) : 0;
   if (count > 0)
     memcpy(Z, basis, count * (size_t)m->substructures[index].columns * sizeof *Z);
   return status;
@@ -68,7 +69,7 @@ km_status km_substructure_basis(const km_mechanism *m, const km_state *s, int in
 static int append_motions(const km_mechanism *m, const km_state *s, int index, double *N, int count) {
   const km_substructure *sub = &m->substructures[index];
   const double *Z = km_state_basis(s, index);
-  for (int k = 0; k < km_partition_freedom(&s->partition[index]); ++k, ++count) {
+  for (int k = 0; k < km_factor_freedom(s->factor[index]); ++k, ++count) {
     double *rates = N + (size_t)count * (size_t)m->coordinate_count;
     for (int j = 0; j < sub->columns; ++j) {
       int c = m->column_coordinate[sub->column_start + j];

@@ -8,7 +8,8 @@
 
 const km_option km_motion_options[KM_MOTION_OPTIONS] = {
     {"joint", KM_OPTION_COORDINATE, "JOINT", "", "the model's analysis.sweep", "The driver", 0, 0, NULL, true},
-    {"range", KM_OPTION_RANGE, "FROM:TO", "driver's", NULL, "Its range in the model's unit", 0, 0, NULL, true},
+    {"range", KM_OPTION_RANGE, "FROM:TO", "driver's", "the model's, or the joint's limits",
+     "Its range in the model's unit", 0, 0, NULL, true},
     {"steps", KM_OPTION_WHOLE, "N", "", NULL, "Number of intervals; N + 1 rows", 1, KM_MAX_SWEEP_STEPS, NULL, true},
     {"arclength", KM_OPTION_NUMBER, "DS", "", NULL,
      "Follow the motion by arc length instead, DS a row: through dead points", KM_MIN_ARCLENGTH, KM_MAX_ARCLENGTH, NULL,
@@ -40,9 +41,12 @@ static const char *label(const km_question *q, int coordinate) {
 static km_status plan_driver(const km_question *q, km_sweep_plan *plan, km_error *error) {
   const km_option_value *joint = km_question_motion_value(q, KM_MOTION_JOINT),
                         *range = km_question_motion_value(q, KM_MOTION_RANGE);
-  if (joint && joint->coordinate != plan->coordinate && !range)
-    return km_fail(error, KM_USAGE, "`joint` %s: expected `range` with it, since the model has none for this joint",
-                   label(q, joint->coordinate));
+  if (joint && joint->coordinate != plan->coordinate) {
+    km_model_coordinate_limits(q->m->model, joint->coordinate, &plan->from, &plan->to);
+    if (!range && !(isfinite(plan->from) && isfinite(plan->to)))
+      return km_fail(error, KM_USAGE, "`joint` %s: expected `range` with it, since the model has none for this joint",
+                     label(q, joint->coordinate));
+  }
   if (joint)
     plan->coordinate = joint->coordinate;
   if (range) {

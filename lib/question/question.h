@@ -14,6 +14,7 @@ typedef struct km_question_class {
   const km_option *shared; /* options that several kinds have, behind the own ones */
   int shared_count;
   size_t size;
+  bool is_space; /* rows are configurations of a space, and no curve connects them */
   /* Prepares `kind_data` from the options. Can be NULL. */
   km_status (*prepare)(km_question *question, km_error *error);
   /* Opens the sweep that computes the result; the last result is freed before. */
@@ -34,7 +35,8 @@ typedef struct km_question_class {
 } km_question_class;
 
 extern const km_question_class km_mobility_question, km_advantage_question, km_forces_question, km_track_question,
-    km_run_question, km_inverse_question, km_motion_question, km_allowance_question, km_clearance_question;
+    km_run_question, km_inverse_question, km_motion_question, km_allowance_question, km_clearance_question,
+    km_modes_question, km_map_question;
 
 struct km_question {
   const km_mechanism *m;

@@ -1,10 +1,11 @@
 /* Digits of the numbers of a substructure. */
 #include "rounding/digits.h"
 
+#include "base/number/tolerances.h"
+
 #include <string.h>
 
-enum { LONG_DIGITS = 4 };                /* digits from which on a number counts as rounded */
-static const double orthonormal = 1e-12; /* columns of a matrix with all digits of a double */
+enum { LONG_DIGITS = 4 }; /* digits from which on a number counts as rounded */
 
 enum { NO_OWNER = -1, SHARED = -2 };
 
@@ -34,8 +35,6 @@ static bool is_usable(const km_written_number *number, const int *owner, int ind
   return one;
 }
 
-static const double nearly_unit = 0.03; /* axes whose length is so near 1 are meant as unit vectors */
-
 /* Largest deviation of RᵀR from I, or of the length of a quaternion or a unit axis from 1, for the list that begins at
  * number[i]; 0 for other lists. */
 static double misfit(const km_rounded_numbers *n, int i, int size) {
@@ -46,7 +45,7 @@ static double misfit(const km_rounded_numbers *n, int i, int size) {
     return fabs(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] + v[3] * v[3] - 1.0);
   if (strcmp(n->number[i]->key, "axis") == 0 && size == 3) {
     double off = fabs(sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) - 1.0);
-    return off < nearly_unit ? off : 0.0;
+    return off < km_three_digits ? off : 0.0;
   }
   if (strcmp(n->number[i]->key, "R") != 0 || size != 9)
     return 0.0;
@@ -83,7 +82,7 @@ static void find_units(km_rounded_numbers *n, double *half, const int *digits) {
     rounded[k] = any[k] = HUGE_VAL;
   for (int i = 0, size; i < n->count; i += size) {
     size = list_size(n, i);
-    bool is_off = misfit(n, i, size) > orthonormal;
+    bool is_off = misfit(n, i, size) > km_solved_rounding;
     for (int k = i; k < i + size; ++k) {
       int kind = kind_of(n->number[k]->key);
       bool is_shape = kind == KIND_R || kind == KIND_QUATERNION || is_off, is_given = n->number[k]->half > 0.0;

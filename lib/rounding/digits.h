@@ -9,6 +9,10 @@
 #include "kinematics/state.h"
 #include "model/written_numbers.h"
 
+/* Relative deviation above that of three digits: an axis so near length 1 is meant as a unit vector, and axes at a
+ * smaller sine as parallel. */
+static const double km_three_digits = 0.03;
+
 /* The numbers that place the frames of a substructure's joints. */
 typedef struct km_rounded_numbers {
   int count;

@@ -3,9 +3,10 @@
  *
  *   ν = √(Σ_k |h_k ξ_k|²)   noise: change of J that half a last digit of every number causes, about; ξ_k: twist of the
  *                           frame that the number places
- *   σ_i > 10 ν kept, σ_i < 1e-13 σ_1 zero; those between may be rounding: each rank is tried, the lowest first */
+ *   σ_i > 10 ν kept, σ_i < 1e-12 σ_1 zero; those between may be rounding: each rank is tried, the lowest first */
 #include "kmech/rounding.h"
 
+#include "base/number/tolerances.h"
 #include "kinematics/assembly.h"
 #include "kinematics/damped_least_squares.h"
 #include "kinematics/loop_closing.h"
@@ -15,12 +16,10 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { MOST_COLUMNS = 400 };                  /* larger substructures take minutes */
-static const double noise_margin = 10.0;      /* times the noise: lower bound of singular values that are kept */
-static const double zero = 1e-13;             /* relative singular values below are rounding errors of the arithmetic */
-static const double written_zero = 1e-9;      /* as ranks are decided as written (docs/theory.md 3.2) */
-static const double closes_as_written = 1e-9; /* the default closure tolerance */
-static const double largest_unit = 1e-2;      /* relative to the substructure's size: a coarser unit explains any gap */
+enum { MOST_COLUMNS = 400 };             /* larger substructures take minutes */
+static const double noise_margin = 10.0; /* times the noise: lower bound of singular values that are kept */
+/* A unit above this part of the substructure's size explains any gap, and a larger gap shows a poor start. */
+static const double largest_unit = 1e-2;
 
 /* The result while it grows. */
 typedef struct result {
@@ -98,12 +97,11 @@ static double largest_gap(const km_nearest_mechanism *n, int first_row) {
 /* Finds ranks and gaps of the numbers as they are written. *closed: the
  * start is near a configuration without gaps in the directions that are kept. */
 static km_status examine_as_written(examination *x, bool *converged, km_error *error) {
-  static const double far = 0.01; /* scaled gap from which the start is poor */
   km_nearest_mechanism *n = &x->nearest;
   km_status status = km_nearest_decompose(n, error);
   double open = largest_gap(n, 0);
   *converged = false;
-  if (!status && open > far) {
+  if (!status && open > largest_unit) {
     status = km_damped_least_squares(n->m, n->s, n->index, error);
     status = status ? status : km_nearest_decompose(n, error);
   }
@@ -111,15 +109,15 @@ static km_status examine_as_written(examination *x, bool *converged, km_error *e
     return status;
   choose_numbers(x, ALL_IN_PLANES);
   double noise = km_loop_gaps_noise(&n->gaps, n->number, n->half, n->count);
-  x->lowest = n->rank = count_above(n, fmax(noise_margin * noise, zero * n->S[0]));
+  x->lowest = n->rank = count_above(n, fmax(noise_margin * noise, km_solved_rounding * n->S[0]));
   status = km_nearest_correct(n, converged, error);
   if (status || !*converged)
     return status;
   km_state_save(n->s, &n->m->substructures[n->index], n->start);
-  x->highest = count_above(n, zero * n->S[0]);
+  x->highest = count_above(n, km_solved_rounding * n->S[0]);
   x->gap = largest_gap(n, x->lowest);
-  int rank = count_above(n, written_zero * n->S[0]);
-  x->verdict.closes = largest_gap(n, rank) <= closes_as_written;
+  int rank = count_above(n, km_relative_zero * n->S[0]);
+  x->verdict.closes = largest_gap(n, rank) <= km_relative_zero;
   x->verdict.mobility = x->verdict.mobility_as_written = n->columns - rank;
   return KM_OK;
 }
@@ -145,7 +143,7 @@ static km_status find_rank(examination *x, bool *found, km_error *error) {
   *found = false;
   for (int rank = x->lowest; rank <= x->highest && !status; ++rank)
     for (int freedom = 0; freedom < FREEDOMS_OF_NUMBERS && !status; ++freedom) {
-      if (rank == x->highest && x->gap <= closes_as_written)
+      if (rank == x->highest && x->gap <= km_relative_zero)
         continue;
       status = restore(x, error);
       choose_numbers(x, (freedom_of_numbers)freedom);
@@ -233,8 +231,8 @@ static double nearest_value(const km_nearest_mechanism *n, int k) {
 
 /* Adds the changes of a substructure; its largest is entered in the verdict. */
 static void record_changes(examination *x, result *r) {
-  static const double no_change = 1e-6; /* last digits: below the rounding errors of the search */
-  static const double tie = 1.0 + 1e-4; /* the first of equal changes is named, whatever their rounding errors */
+  /* rounding errors of the search in last digits: smaller changes are none, and of equal ones the first is named */
+  static const double no_change = 1e-6;
   const km_nearest_mechanism *n = &x->nearest;
   for (int k = 0; k < n->count; ++k) {
     const km_written_number *number = &n->number[k];
@@ -245,7 +243,7 @@ static void record_changes(examination *x, result *r) {
       continue;
     km_number_change change = {n->index, "", number->value, nearest, digits};
     write_place(x->model, number, change.place);
-    if (fabs(digits) > tie * x->verdict.largest_change) {
+    if (fabs(digits) > x->verdict.largest_change + no_change) {
       x->verdict.largest_change = fabs(digits);
       memcpy(x->verdict.place, change.place, sizeof change.place);
     }
@@ -308,7 +306,7 @@ static km_status accept_exact(const shared_data *shared, int index, km_rounding 
   if (!status && *closed) {
     km_update_and_search_pivots(shared->m, shared->s, index, KM_NO_DRIVER, 0.0);
     verdict->closes = true;
-    verdict->mobility = verdict->mobility_as_written = km_partition_freedom(&shared->s->partition[index]);
+    verdict->mobility = verdict->mobility_as_written = km_factor_freedom(shared->s->factor[index]);
   } else if (!status) {
     km_state_restore(shared->s, sub, start);
   }
@@ -354,7 +352,7 @@ static km_status examine(km_model *model, int index, const shared_data *shared, 
                                &x.nearest, error);
     if (!status)
       status = examine_as_written(&x, &converged, error);
-    bool is_suspect = converged && ((x.lowest < x.highest && x.numbers.is_rounded) || x.gap > closes_as_written);
+    bool is_suspect = converged && ((x.lowest < x.highest && x.numbers.is_rounded) || x.gap > km_relative_zero);
     if (!status && shared->regular)
       status = find_relations(&x, &arena, error);
     if (!status && is_suspect)
@@ -429,7 +427,7 @@ static km_status examine_all(km_model *model, bool regular, result *r, km_messag
   km_hold *holds = list_holds(model);
   double inferred = model->closure_tolerance;
   if (model->closure_tolerance_inferred)
-    set_tolerance(model, closes_as_written, false);
+    set_tolerance(model, km_relative_zero, false);
   const km_compiling options = {.holds = holds, .hold_count = model->hold_count};
   shared_data shared = {.options = &options, .regular = regular};
   km_status status = holds ? prepare(model, &arena, &shared, error) : KM_MEMORY;

@@ -5,25 +5,29 @@
  *   Newton           δ = −V_1 S_1⁻¹ U_1ᵀ e, the first `rank` singular directions
  *   weights          x_k = ω_k y_k, |y| minimal; ω_k falls where |x_k| > 1, so that changes stay within half a digit */
 #include "rounding/nearest_mechanism.h"
+#include "base/number/tolerances.h"
 #include "base/number/vectors.h"
 
 #include "base/random.h"
 #include "linalg/dense/singular_values.h"
 
+#include <float.h>
 #include <string.h>
 
 enum { FIRST_CONFIGURATIONS = 12, MOST_CONFIGURATIONS = 64, LEAST_CONFIGURATIONS = 4 };
 enum { NEWTON_STEPS = 25, GAUSS_NEWTON_STEPS = 25, SCOUTING_STEPS = 30 };
-static const double step_length = 0.25; /* radians or sizes, of the largest coordinate between configurations */
-static const double least_step = 1e-15; /* largest entry of the last Newton step, about the rounding error of angles */
-static const double most_newton_step = 0.3;
-static const double closed_gap = 2e-14;   /* scaled: the rounding error of a product of about ten poses */
-static const double checked_gap = 2e-13;  /* gap of configurations between, where errors of x are a few times larger */
-static const double checked_rank = 1e-12; /* relative singular value that is to be 0 there */
-static const double polished = 0.25;      /* part of these bounds that is tried afterwards: as exact files give */
+/* Radians or sizes, of the largest coordinate between configurations and in a Newton step. */
+static const double step_length = 0.25;
+static const double closed_gap = 2e-14;        /* scaled: the rounding error of a product of about ten poses */
+static const double polished = 0.25;           /* part of the bounds that is tried afterwards: as exact files give */
 static const double least_conditioning = 0.02; /* smallest singular value kept, relative to that at the start */
 static const double hopeless_change = 30.0;    /* halves: change of a number at which the search ends */
 static const double within_rounding = 1.05;    /* largest |x|: a half, and 5 % for the linear effect of a number on R */
+
+/* Gap of configurations between, where errors of x are a few times larger. */
+static double checked_gap(void) {
+  return 10.0 * closed_gap;
+}
 
 km_status km_nearest_create(km_model *model, const km_compiling *options, const km_mechanism *m, km_state *state,
                             const km_pose *written, int index, int most_numbers, km_arena *arena,
@@ -123,11 +127,11 @@ km_status km_nearest_correct(km_nearest_mechanism *n, bool *converged, km_error 
         step[c] += along * n->Vt[(size_t)c * (size_t)n->columns + (size_t)r];
     }
     double size = km_max_norm(step, n->columns);
-    *converged = size <= least_step || (size < 1e-9 && size >= 0.5 * before);
+    *converged = size <= 4.0 * DBL_EPSILON || (size < 1e-9 && size >= 0.5 * before);
     if (*converged)
       return KM_OK;
-    for (int c = 0; c < n->columns && size > most_newton_step; ++c)
-      step[c] *= most_newton_step / size;
+    for (int c = 0; c < n->columns && size > step_length; ++c)
+      step[c] *= step_length / size;
     before = size;
     km_state_move(n->m, n->s, substructure(n), step);
   }
@@ -296,13 +300,12 @@ static km_status solve(km_nearest_mechanism *n, const conditions *c, km_error *e
  * 3 |Px|² is distributed like χ² of c freedoms, P the projector on the rows of A, and at most c + 2 √(c t) + 2 t with a
  * probability of 1 − e^−t (B. Laurent and P. Massart 2000). */
 static km_status is_plausible(const km_nearest_mechanism *n, const conditions *c, bool *plausible, km_error *error) {
-  static const double condition = 1e-8; /* smallest singular value of A, relative to the largest, that isn't noise */
-  static const double t = 6.9;          /* one of 1000 at most is refused wrongly */
+  const double t = log(1000.0); /* one of 1000 at most is refused wrongly */
   double square = 0.0;
   int count = 0;
   decomposition d;
   km_status status = decompose(n, c, &d, error);
-  for (; count < d.count && !status && d.S[count] > condition * d.S[0]; ++count) {
+  for (; count < d.count && !status && d.S[count] > km_relative_zero * d.S[0]; ++count) {
     double along = 0.0;
     for (int k = 0; k < n->count; ++k)
       along += n->x[k] / c->weight[k] * d.Vt[(size_t)k * (size_t)d.count + (size_t)count];
@@ -322,7 +325,7 @@ static km_status iterate(km_nearest_mechanism *n, conditions *c, bool *closed, k
       status = gather(n, c, error);
     if (status)
       return status;
-    *closed = c->gap <= closed_gap || (i > 4 && c->gap <= 10.0 * closed_gap);
+    *closed = c->gap <= closed_gap || (i > 4 && c->gap <= checked_gap());
     if (*closed)
       return KM_OK;
     status = solve(n, c, error);
@@ -335,8 +338,8 @@ static km_status iterate(km_nearest_mechanism *n, conditions *c, bool *closed, k
 /* True if the loops are closed, and J has its rank, at the state's configuration. */
 static bool is_exact_here(const km_nearest_mechanism *n) {
   bool has_rank =
-      n->rank == n->columns || n->rank == n->rows || n->S[n->rank] <= n->strictness * checked_rank * n->S[0];
-  return has_rank && km_max_norm(n->e, n->rows) <= n->strictness * checked_gap;
+      n->rank == n->columns || n->rank == n->rows || n->S[n->rank] <= n->strictness * km_solved_rounding * n->S[0];
+  return has_rank && km_max_norm(n->e, n->rows) <= n->strictness * checked_gap();
 }
 
 /* Adds the state's configuration, reached along `heading`, to those of the search. */

@@ -1,17 +1,15 @@
 /* Relations between axes and lengths. */
 #include "rounding/regular_shapes.h"
 
+#include "base/number/tolerances.h"
+#include "rounding/digits.h"
+
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
 /* Lengths below this part of the substructure's size are no links. */
 static const double least_length = 1e-3;
-/* Sine below which two axes count as parallel, so that their distance is across them: above that of three digits. */
-static const double parallel_sine = 0.03;
-/* Rounding errors of the arithmetic: residuals below need no rounded number. */
-static const double rounding = 1e-12;
-/* Step of the differences, relative to the size or in radians. */
-static const double step = 1e-6;
 
 /* Distance of two joints, and of what rounding makes of it. */
 typedef struct link {
@@ -34,7 +32,7 @@ static double distance_of(const km_model *model, km_joint_end a, km_joint_end b)
     return km_vec3_norm(km_vec3_cross(d, axis_of(model, a)));
   km_vec3 u = axis_of(model, a), n = km_vec3_cross(u, axis_of(model, b));
   double sine = km_vec3_norm(n);
-  return sine < parallel_sine ? km_vec3_norm(km_vec3_cross(d, u)) : fabs(km_vec3_dot(d, n)) / sine;
+  return sine < km_three_digits ? km_vec3_norm(km_vec3_cross(d, u)) : fabs(km_vec3_dot(d, n)) / sine;
 }
 
 static int rows_of(const km_relation *r) {
@@ -86,7 +84,7 @@ void km_relations_compute(const km_relations *relations, km_model *model, const 
     residual_of(model, &relations->relation[i], relations->size, c + row);
   for (int k = 0; k < count && A; ++k) {
     double reach = fmax(km_vec3_norm(number[k].move) / relations->size, km_vec3_norm(number[k].turn)),
-           by = reach > 0.0 ? step / reach : 0.0;
+           by = reach > 0.0 ? cbrt(DBL_EPSILON) / reach : 0.0; /* the best step of central differences */
     km_pose kept[2];
     for (int end = 0; end < 2; ++end)
       if (number[k].frame[end] >= 0)
@@ -146,7 +144,7 @@ static void find_angles(const km_model *model, const body_ends *ends, const fram
       if (a.axis < 0 || b.axis < 0)
         continue;
       km_vec3 u = axis_of(model, a), v = axis_of(model, b);
-      double most = noise[a.frame].turn + noise[b.frame].turn + rounding;
+      double most = noise[a.frame].turn + noise[b.frame].turn + km_solved_rounding;
       if (km_vec3_norm(km_vec3_cross(u, v)) <= most)
         add(out, (km_relation){KM_PARALLEL_AXES, {a, b}});
       else if (fabs(km_vec3_dot(u, v)) <= most)
@@ -162,7 +160,7 @@ static int compare_lengths(const void *a, const void *b) {
 static void find_equal_lengths(link *links, int count, km_relations *out) {
   qsort(links, (size_t)count, sizeof *links, compare_lengths);
   for (int i = 1; i < count; ++i)
-    if (links[i].length - links[i - 1].length <= links[i].noise + links[i - 1].noise + rounding)
+    if (links[i].length - links[i - 1].length <= links[i].noise + links[i - 1].noise + km_solved_rounding)
       add(out, (km_relation){KM_EQUAL_LENGTHS,
                              {links[i - 1].end[0], links[i - 1].end[1], links[i].end[0], links[i].end[1]}});
 }

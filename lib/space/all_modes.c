@@ -126,9 +126,9 @@ static const double *ordering_values(modes_search *f) {
 
 /* True if bodies move along first-order motions that the locked coordinates allow, beyond passive freedoms. */
 static bool is_singular(modes_search *f) {
-  const km_partition *p = &f->s->partition[f->substructure];
+  const km_factor *p = f->s->factor[f->substructure];
   km_update_and_search_pivots(f->m, f->s, f->substructure, KM_NO_DRIVER, 0.0);
-  return km_partition_freedom(p) > f->passive;
+  return km_factor_freedom(p) > f->passive;
 }
 
 /* Judges a singular mode: it moves, unless no finite motion leads on. */

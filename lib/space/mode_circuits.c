@@ -388,7 +388,7 @@ static km_status load_modes(circuit_search *f, int *freedom, km_error *error) {
   km_status status = KM_OK;
   for (int i = 0; !status && i < f->modes->count; ++i) {
     status = load_mode(f, i, error);
-    int own = km_partition_freedom(&f->s->partition[f->substructure]);
+    int own = km_factor_freedom(f->s->factor[f->substructure]);
     least = own < least ? own : least;
   }
   if (status)

@@ -23,8 +23,8 @@ static const double far_slide = 100.0;        /* displacement of a slide at infi
 static const double longest_circuit = 2000.0; /* arc length in one sense */
 static const double most_correction = 0.3;    /* |D δ| of one step of the number: radians, sizes */
 static const double shortest_step = 1e-4;     /* shortest step of the number, a part of the range */
-static const double same_driver = 1e-6;       /* distance of the driver at equal critical values: its unit */
-static const double same_number = 1e-9;       /* distance of equal critical values, a part of the range */
+static const double same_driver = 1e-6; /* distance of the driver at equal critical values: radians, length unit */
+static const double same_number = 1e-9; /* distance of equal critical values, a part of the range */
 
 /* Motion of the driver on one circuit. */
 typedef struct driver_swing {
@@ -227,10 +227,15 @@ static int by_number(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* True if the points are one, which a curve passed at its start and at its end. */
-static bool is_same_point(const turning_search *g, const km_turning_point *a, const km_turning_point *b) {
-  return a->curve == b->curve && fabs(a->number - b->number) <= same_number * (g->def->to - g->def->from) &&
-         fabs(a->driver - b->driver) <= same_driver;
+/* True if the points are one critical value, which a curve passed at its start and at its end, or which curves of
+ * several modes have. */
+static bool is_same_value(const turning_search *g, const km_turning_point *a, const km_turning_point *b) {
+  int d = g->def->driver;
+  double away = (a->driver - b->driver) * g->f.m->factor[d];
+  if (km_coordinate_turns(g->f.m, d))
+    away = remainder(away, 2.0 * M_PI);
+  return a->kind == b->kind && fabs(a->number - b->number) <= same_number * (g->def->to - g->def->from) &&
+         fabs(away) <= same_driver;
 }
 
 static bool copy_points(turning_search *g, km_turning *out) {
@@ -243,7 +248,7 @@ static bool copy_points(turning_search *g, km_turning *out) {
   for (int i = 0; i < count; ++i) {
     bool is_known = false;
     for (int k = 0; k < out->point_count && !is_known; ++k)
-      is_known = is_same_point(g, &points[i], &out->points[k]);
+      is_known = is_same_value(g, &points[i], &out->points[k]);
     if (!is_known)
       out->points[out->point_count++] = points[i];
   }

@@ -1,7 +1,7 @@
 /* Forces of actuators against loads (theory 9.3): Y_Aᵀ f_A = -Yᵀ τ, block by block.
  *
  *   Z_A = U S Vᵀ,  f_A = D_A F,  F = -U S⁻¹ Vᵀ g,  g = Zᵀ D⁻¹ τ;   σ < 1e-9: motion out of reach */
-#include "linalg/partition.h"
+#include "linalg/factor.h"
 #include "local/local.h"
 #include "statics/statics.h"
 
@@ -133,7 +133,7 @@ static bool add_unreached_motions(const km_mechanism *m, const km_actuator_works
 static int count_freedom(const km_state *s, const km_actuator_workspace *h) {
   int freedom = h->tree_joint_count;
   for (int i = 0; i < h->part_count; ++i)
-    freedom += km_partition_freedom(&s->partition[h->part[i]]);
+    freedom += km_factor_freedom(s->factor[h->part[i]]);
   return freedom;
 }
 
@@ -143,7 +143,7 @@ static void compose_basis(const km_mechanism *m, const km_state *s, km_actuator_
   if (h->size > 0)
     memset(h->own_Z, 0, (size_t)h->columns * (size_t)h->size * sizeof *h->own_Z);
   for (int i = 0; i < h->part_count; ++i) {
-    int columns = m->substructures[h->part[i]].columns, freedom = km_partition_freedom(&s->partition[h->part[i]]);
+    int columns = m->substructures[h->part[i]].columns, freedom = km_factor_freedom(s->factor[h->part[i]]);
     const double *Z = km_state_basis(s, h->part[i]);
     for (int k = 0; k < freedom; ++k)
       memcpy(h->own_Z + (size_t)(size + k) * (size_t)h->columns + column, Z + (size_t)k * (size_t)columns,
@@ -178,7 +178,7 @@ static bool are_all_actuated(const km_state *s, const km_statics *st, const km_a
   for (int a = 0; a < h->count; ++a)
     joints += st->actuators[h->actuator[a]].kind == KM_PORT_JOINT;
   for (int i = 0; i < h->part_count; ++i)
-    free -= s->partition[h->part[i]].locked_count;
+    free -= km_factor_locked_count(s->factor[h->part[i]]);
   return joints == free && h->count == free;
 }
 

@@ -34,15 +34,14 @@ static void fill_rows(const km_mechanism *m, const km_statics *st, const km_actu
 
 int km_actuator_subspace_size(const km_actuator_workspace *h, const km_state *s, int freedom) {
   int needed = h->count + 1 + KM_MAX_DIRECTIONS;
-  bool is_reduced = !h->is_composed && km_partition_avoids_basis(&s->partition[h->part[0]]) && 2 * needed <= freedom;
+  bool is_reduced = !h->is_composed && km_factor_avoids_basis(s->factor[h->part[0]]) && 2 * needed <= freedom;
   return is_reduced ? needed : freedom;
 }
 
 bool km_actuator_subspace_compute(const km_mechanism *m, const km_state *s, const km_statics *st,
                                   km_actuator_workspace *h) {
   const km_substructure *sub = &m->substructures[h->part[0]];
-  const km_partition *p = &s->partition[h->part[0]];
-  const double *weight = m->column_weight + sub->column_start;
+  const km_factor *p = s->factor[h->part[0]];
   size_t n = (size_t)h->columns;
   int rows = h->count + 1, vectors = rows + KM_MAX_DIRECTIONS;
   double *x = KM_NEW(double, n *(size_t)vectors);
@@ -52,7 +51,7 @@ bool km_actuator_subspace_compute(const km_mechanism *m, const km_state *s, cons
     fill_rows(m, st, h, x);
   for (size_t i = n * (size_t)rows; i < n * (size_t)vectors && x; ++i)
     x[i] = km_uniform(&random);
-  bool is_ok = x && km_partition_project_null_space(p, s->jacobian + sub->matrix_start, weight, x, vectors);
+  bool is_ok = x && km_factor_project_null_space(p, s->jacobian + sub->matrix_start, x, vectors);
   for (int i = 0; i < vectors && is_ok; ++i)
     append(h, i < h->count ? km_relative_zero : i < rows ? km_load_rounding : KM_INDEPENDENT, x + (size_t)i * n);
   km_free(x);

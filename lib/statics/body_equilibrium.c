@@ -27,9 +27,8 @@ typedef struct km_body_equilibrium {
   int *coupled_column; /* [coupled_count] columns of coupled motions */
   /* [coupled × couplings] coupling coefficients, and their left null vectors [coupled × coupled] */
   double *K, *free;
-  double *one;            /* [coupled] */
-  km_partition couplings; /* factor of Kᵀ */
-  int free_count;         /* combinations without a coupling force, at the last configuration */
+  km_factor *couplings; /* factor of Kᵀ */
+  int free_count;       /* combinations without a coupling force, at the last configuration */
   km_sparse_qr *q;
   double *b, *x, *row; /* [equations]; [6 · joints]; [6 · joints] of one equation */
   int equations;       /* number of equations at the last configuration */
@@ -83,11 +82,8 @@ static bool reserve(equilibrium *e) {
   find_coupled(e);
   size_t coupled = (size_t)e->coupled_count;
   e->K = KM_ARENA_NEW(arena, double, coupled *(size_t)sub->coupling_count);
-  e->free = KM_ARENA_NEW(arena, double, coupled *coupled);
-  e->one = KM_ARENA_NEW(arena, double, coupled);
-  for (size_t k = 0; k < coupled && e->one; ++k)
-    e->one[k] = 1.0;
-  return km_partition_reserve(&e->couplings, sub->coupling_count, e->coupled_count, arena) && !arena->failed;
+  e->couplings = km_factor_create(sub->coupling_count, e->coupled_count, NULL, arena);
+  return !arena->failed;
 }
 
 /* Upper bound of the entries: a body has at most 27 per joint, a motion 6 per joint. */
@@ -234,10 +230,10 @@ static void find_uncoupled_combinations(equilibrium *e, const km_state *state) {
           km_term_value(e->m, state, term, &e->K[(size_t)c * (size_t)e->sub->coupling_count + (size_t)i]);
     }
   }
-  km_partition_factor(&e->couplings, e->K, e->sub->coupling_count, e->coupled_count, NULL,
-                      1e-12 * (1.0 + e->coupled_count));
-  e->free_count = km_partition_freedom(&e->couplings);
-  km_partition_null_space(&e->couplings, e->one, e->free_count, e->free);
+  km_factor_compute(e->couplings, e->K, e->sub->coupling_count, e->coupled_count,
+                    &(km_factor_options){.tolerance = 1e-12 * (1.0 + e->coupled_count)});
+  e->free_count = km_factor_freedom(e->couplings);
+  e->free = km_factor_null_space(e->couplings, e->free_count);
 }
 
 /* Adds the equation along a combination of coupled motions, normalised. */

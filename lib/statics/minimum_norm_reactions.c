@@ -85,18 +85,19 @@ static void fill_gradient(km_reaction_workspace *c, const km_wrench *carried, do
   }
 }
 
-/* Lists the nonzero entries of N: the partition's null vectors [-B; I], and unit vectors for zero rows. Returns the
+/* Lists the nonzero entries of N: the factor's null vectors [-B; I], and unit vectors for zero rows. Returns the
  * number of self-stresses. */
 static int list_stresses(km_reaction_workspace *c) {
-  const km_partition *p = &c->partition;
+  const km_factor *p = c->factor;
+  const int rank = km_factor_rank(p), *column = km_factor_column_order(p);
   int count = 0, degree = 0;
-  for (int k = p->rank; k < c->rows; ++k) {
+  for (int k = rank; k < c->rows; ++k) {
     c->stress_start[degree++] = count;
-    c->stress[count++] = (km_stress_entry){c->nonzero_row[k < c->nonzero_row_count ? p->column[k] : k], 1.0};
-    const double *b = k < c->nonzero_row_count ? km_partition_b(p, k - p->rank) : NULL;
-    for (int i = 0; i < p->rank && b; ++i)
+    c->stress[count++] = (km_stress_entry){c->nonzero_row[k < c->nonzero_row_count ? column[k] : k], 1.0};
+    const double *b = k < c->nonzero_row_count ? km_factor_b(p, k - rank) : NULL;
+    for (int i = 0; i < rank && b; ++i)
       if (b[i] != 0.0)
-        c->stress[count++] = (km_stress_entry){c->nonzero_row[p->column[i]], -b[i]};
+        c->stress[count++] = (km_stress_entry){c->nonzero_row[column[i]], -b[i]};
   }
   c->stress_start[degree] = count;
   return degree;

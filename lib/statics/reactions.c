@@ -50,7 +50,7 @@ static void reserve_dense(km_reaction_workspace *c, km_arena *arena) {
   c->gradient = KM_ARENA_NEW(arena, double, rows);
   c->slope = KM_ARENA_NEW(arena, double, rows);
   c->share = KM_ARENA_NEW(arena, double, rows);
-  km_partition_reserve(&c->partition, c->columns, c->rows, arena);
+  c->factor = km_factor_create(c->columns, c->rows, NULL, arena);
 }
 
 km_status km_reaction_workspace_make_large(const km_mechanism *m, km_statics_workspace *w, int index, km_error *error) {
@@ -177,8 +177,9 @@ static void solve_chords(const km_mechanism *m, const km_state *s, int index, km
     int coordinate = m->column_coordinate[sub->column_start + k];
     c->rhs[k] = m->unit[coordinate] * (w->force[coordinate] + w->tau[coordinate]);
   }
-  km_partition_factor(&c->partition, c->T, c->columns, c->nonzero_row_count, NULL, rank_tolerance(m, s, index));
-  km_partition_solve(&c->partition, c->rhs, c->share);
+  km_factor_compute(c->factor, c->T, c->columns, c->nonzero_row_count,
+                    &(km_factor_options){.tolerance = rank_tolerance(m, s, index)});
+  km_factor_solve(c->factor, c->rhs, c->share);
   memset(c->mu, 0, (size_t)c->rows * sizeof *c->mu);
   for (int i = 0; i < c->nonzero_row_count; ++i)
     c->mu[c->nonzero_row[i]] = c->share[i];

@@ -191,7 +191,7 @@ static void compute_minimum_norm_forces(const km_mechanism *m, km_state *s, km_s
       continue;
     }
     const double *z = km_state_basis(s, i);
-    for (int k = 0; k < km_partition_freedom(&s->partition[i]); ++k, z += sub->columns) {
+    for (int k = 0; k < km_factor_freedom(s->factor[i]); ++k, z += sub->columns) {
       double g = 0.0;
       for (int j = 0; j < sub->columns; ++j)
         g += z[j] * tau[coordinate[j]] / m->scale[coordinate[j]];

@@ -86,7 +86,7 @@ typedef struct km_reaction_workspace {
   double *slope;           /* [rows] its component along each self-stress, */
   double *share;           /* [rows] coefficients of the self-stresses */
   int degree;              /* self-stresses at the last configuration */
-  km_partition partition;
+  km_factor *factor;       /* factor of T */
 } km_reaction_workspace;
 
 struct km_statics_workspace {

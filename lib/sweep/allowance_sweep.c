@@ -58,8 +58,8 @@ static double ratio_of(const station *at, int kind, const bool *counts, km_ratio
 }
 
 static void take(km_peak *peak, double value, double s) {
-  static const double tie = 1.0 + 1e-6; /* the first of equal values, whatever their rounding */
-  if (!isnan(value) && !(peak->value * tie >= value))
+  /* the first of equal values */
+  if (!isnan(value) && !(peak->value * (1.0 + km_ratio_accuracy) >= value))
     *peak = (km_peak){value, s};
 }
 

@@ -64,8 +64,7 @@ static void write_passed_rows(km_driver_sweep *sweeps, unsigned active, km_batch
 /* True if the observer reads more than the lane provides. */
 static bool needs_state(const km_sweeper *r) {
   const km_observer *observer = r->observer;
-  return observer->reads_jacobian ||
-         (observer->reads_basis && km_partition_freedom(&r->s->partition[r->substructure]) > 1);
+  return observer->reads_jacobian || (observer->reads_basis && km_factor_freedom(r->s->factor[r->substructure]) > 1);
 }
 
 void km_driver_sweep_prepare(km_driver_sweep *w) {

@@ -133,7 +133,7 @@ static void compute_unit_direction(const km_mechanism *m, const double *rates, d
 /* Computes the unit direction of the single freedom besides passive ones; false with more freedoms or at the driver's
  * dead point. */
 static bool compute_direction(const km_sweeper *r, double *z) {
-  int freedom = r->substructure < 0 ? 0 : km_partition_freedom(&r->s->partition[r->substructure]);
+  int freedom = r->substructure < 0 ? 0 : km_factor_freedom(r->s->factor[r->substructure]);
   if (freedom - r->out->passive != 1)
     return false;
   if (r->is_batched && freedom == 1) {
@@ -245,16 +245,15 @@ static void handle_branch_switch(void *self) {
 /* True if the coordinate is at rest at the driver's dead point. The driver's mobility number, the square of its rate,
  * is 0 there up to the accuracy of the position. */
 static bool rests_with_driver(const km_sweeper *r, int c) {
-  static const double ratio = 100.0; /* ratio of rates of coordinates that move there */
   const double *numbers = r->s->mobility_number;
-  return numbers[c] <= ratio * ratio * fmax(numbers[r->plan->coordinate], 1e-30);
+  return numbers[c] <= km_significant_ratio * km_significant_ratio * fmax(numbers[r->plan->coordinate], 1e-30);
 }
 
 /* Adds the dead points at an end of the sweep: of the driver and of the coordinates at rest there. */
 static km_status handle_end(void *self, km_sweeper *r, double s, km_error *error) {
   sweep_events *w = self;
   const int driver = r->plan->coordinate;
-  const bool has_one_freedom = r->substructure >= 0 && km_partition_freedom(&r->s->partition[r->substructure]) == 1;
+  const bool has_one_freedom = r->substructure >= 0 && km_factor_freedom(r->s->factor[r->substructure]) == 1;
   km_status status = KM_OK;
   for (int pass = 0; pass < 2; ++pass) /* the driver first */
     for (int i = 0; i < w->candidate_count && !status; ++i) {

@@ -7,6 +7,7 @@
  * Several freedoms leave q'' undetermined: accelerations are then NaN. */
 #include "base/event_locator.h"
 #include "base/number/gauss_legendre.h"
+#include "base/number/tolerances.h"
 #include "base/table.h"
 #include "base/text.h"
 #include "kinematics/body_poses.h"
@@ -108,7 +109,7 @@ static void compute_second_derivatives(sweep_motion *w, const km_sweeper *r) {
   const int *coordinate = m->column_coordinate + sub->column_start;
   int driver = 0;
   km_loops_velocity_products(m, r->s, sub, r->rates, w->gamma);
-  km_partition_solve(&r->s->partition[r->substructure], w->gamma, w->x);
+  km_factor_solve(r->s->factor[r->substructure], w->gamma, w->x);
   km_minimum_norm_step(m, r->s, r->substructure, KM_NO_DRIVER, w->x);
   for (int k = 0; k < sub->columns; ++k) {
     w->t[k] = r->rates[coordinate[k]] / m->unit[coordinate[k]];
@@ -119,16 +120,14 @@ static void compute_second_derivatives(sweep_motion *w, const km_sweeper *r) {
     w->acceleration[coordinate[k]] = (w->x[k] - share * w->t[k]) * m->unit[coordinate[k]];
 }
 
-/* Entry of the driver in the unit direction of motion, |1/D q'|, at a dead point: a located end, to 1e-11, leaves the
- * square root of that. */
-static const double dead_point = 1e-5;
-
-/* True if the row isn't at a dead point of the driver, where rates are infinite. */
+/* True if the row isn't at a dead point of the driver, where rates are infinite: the square of the driver's entry in
+ * the unit direction of motion, |1/D q'|, is as large as the error of a located end there. */
 static bool is_regular(const km_sweeper *r) {
   double square = 0.0;
   for (int c = 0; c < r->m->coordinate_count; ++c)
     square += r->m->scale[c] * r->rates[c] * r->m->scale[c] * r->rates[c];
-  return r->m->scale[r->plan->coordinate] > dead_point * sqrt(square);
+  const double scale = r->m->scale[r->plan->coordinate];
+  return scale * scale > km_relative_zero * square;
 }
 
 /* Rates and accelerations at the row; NaN where the motion has no direction, and at a dead point of the driver. */

@@ -4,6 +4,7 @@
 
 #include "base/arguments.h"
 #include "kinematics/state.h"
+#include "sweep/events/sample_window.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -62,7 +63,7 @@ static int compare_positions(const void *a, const void *b) {
 }
 
 static bool is_same_position(double a, double b) {
-  return fabs(a - b) <= 1e-6 * (1.0 + fabs(a));
+  return fabs(a - b) <= km_same_position * (1.0 + fabs(a));
 }
 
 /* Lists rows and branch points with more mobility, each position once. */

@@ -35,7 +35,7 @@ void km_singular_value_minima_free(km_singular_value_minima *w) {
 double km_singular_value_kept(km_singular_value_minima *w, const km_sweeper *r) {
   if (r->substructure < 0 || !km_singular_values_fit(moving_substructure(r)))
     return nan("");
-  return value_at(w, r, r->s->partition[r->substructure].rank);
+  return value_at(w, r, km_factor_rank(r->s->factor[r->substructure]));
 }
 
 static bool add_minimum(km_mobility_sweep *out, km_extreme minimum) {
@@ -59,7 +59,7 @@ km_status km_singular_value_minima_sample(km_singular_value_minima *w, km_sweepe
   if (!km_singular_values_fit(moving_substructure(r)))
     return km_fail(error, KM_USAGE, "singular values of substructure %d, which has %d coordinates; expected at most %d",
                    r->substructure + 1, moving_substructure(r)->columns, KM_MAX_SINGULAR);
-  int rank = r->s->partition[r->substructure].rank;
+  int rank = km_factor_rank(r->s->factor[r->substructure]);
   if (rank > w->regular_rank) { /* singular values with different indices are not comparable: the search starts anew */
     w->regular_rank = rank;
     km_event_search_restart(&w->search);

@@ -57,7 +57,7 @@ static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
 }
 
 static unsigned moving_version(const km_sweeper *r) {
-  return r->substructure >= 0 ? r->s->partition[r->substructure].version : 0;
+  return r->substructure >= 0 ? km_factor_get_evidence(r->s->factor[r->substructure]).version : 0;
 }
 
 static double *write_cells(void *self, km_sweeper *r, double *cell) {
@@ -92,7 +92,7 @@ static double force_above_rounding(const sweep_events *w, const km_mechanism *m,
 
 /* True if the configuration has more freedoms than the motion (branch point): no actuator holds them. */
 static bool has_more_freedoms(const km_sweeper *r) {
-  return r->substructure >= 0 && km_partition_freedom(&r->s->partition[r->substructure]) > r->out->freedom;
+  return r->substructure >= 0 && km_factor_freedom(r->s->factor[r->substructure]) > r->out->freedom;
 }
 
 static void compute_values(void *self, km_sweeper *r, double *n, double *d) {

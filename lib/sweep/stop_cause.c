@@ -19,9 +19,10 @@
 #include <string.h>
 
 enum { MAX_ROWS = 240, MAX_NAMES = 8 };
-static const double damping = 1e-3;       /* ε over the largest entry: an end is located to 1e-9, whose root is 3e-5 */
-static const double smallest_part = 1e-3; /* relative to the largest net wrench: smaller ones come from the damping */
-static const double alignment = 1e-2;     /* relative to the substructure's size; sine of a force's direction */
+/* ε over the largest entry: an end is located to 1e-9, whose root is 3e-5. Smaller parts of the largest net wrench come
+ * from it. */
+static const double damping = 1e-3;
+static const double alignment = 1e-2; /* relative to the substructure's size; sine of a force's direction */
 
 typedef struct joint_wrench {
   km_vec3 force, moment, position; /* moment about `place`, over the size */
@@ -112,7 +113,7 @@ static int list_joints(const dead_point *c, int *out) {
   for (int k = t->joint_start[c->index]; k < t->joint_start[c->index + 1]; ++k) {
     int j = t->joint[k];
     bool moves = km_model_freedom(c->m->model, j) > 0 && !c->m->held[c->m->model->joints[j].first_coordinate];
-    if (j != driver_joint && moves && size_of(&c->joint[j]) > smallest_part * largest)
+    if (j != driver_joint && moves && size_of(&c->joint[j]) > damping * largest)
       out[count++] = j;
   }
   return count;
@@ -186,7 +187,7 @@ static void write_description(const dead_point *c, const int *joint, int count, 
       char number[16];
       for (int r = 0; r < 6; ++r)
         largest_entry = fmax(largest_entry, fabs(c->w[6 * i + r]));
-      if (!(largest_entry > smallest_part * largest))
+      if (!(largest_entry > damping * largest))
         continue;
       loops += pass == 0;
       snprintf(number, sizeof number, "%d", c->m->topology.loop[c->m->topology.loop_start[c->index] + i] + 1);

@@ -102,7 +102,7 @@ bool km_sweeper_is_at_branch_point(km_sweeper *r) {
   if (r->substructure < 0)
     return false;
   km_motions_update(r->m, r->s, r->substructure);
-  return km_partition_freedom(&r->s->partition[r->substructure]) > r->out->freedom;
+  return km_factor_freedom(r->s->factor[r->substructure]) > r->out->freedom;
 }
 
 double km_sweeper_end_sample(double s, double end, int k) {

@@ -66,7 +66,7 @@ static km_status follow_to_branch(km_sweeper *r, km_state *state, size_t row, do
 km_status km_sweeper_find_branch(km_sweeper *r, km_error *error) {
   size_t rows = km_table_rows(r->out->table);
   const double *last = km_table_row(r->out->table, rows - 1);
-  int mobility = km_partition_freedom(&r->s->partition[r->substructure]);
+  int mobility = km_factor_freedom(r->s->factor[r->substructure]);
   /* the row itself is singular; with the motion's own number of freedoms its rank was only hard to determine */
   if (mobility > 1)
     return add_branch(r, r->s, (km_branch_point){last[1], mobility, 0}, mobility > r->out->freedom, error);

@@ -134,7 +134,7 @@ static bool write_row(km_sweeper *r, km_table *table, int step, double s) {
   double residual = r->other_residual;
   if (r->substructure >= 0) {
     residual = fmax(residual, update_moving_substructure(r));
-    mobility += km_partition_freedom(&r->s->partition[r->substructure]);
+    mobility += km_factor_freedom(r->s->factor[r->substructure]);
   }
   *cell++ = step;
   *cell++ = s;
@@ -144,7 +144,7 @@ static bool write_row(km_sweeper *r, km_table *table, int step, double s) {
   cell = r->observer->cells(r->observer->self, r, cell);
   *cell++ = mobility;
   for (int i = 0; i < m->topology.substructure_count; ++i)
-    *cell++ = km_partition_freedom(&r->s->partition[i]);
+    *cell++ = km_factor_freedom(r->s->factor[i]);
   *cell++ = residual;
   write_points(r, cell);
   return true;
@@ -221,7 +221,7 @@ static bool has_more_cells(const km_sweeper *r, size_t width, size_t count) {
 km_status km_sweeper_passed_rows(km_sweeper *r, const km_driver_motion *drive, int count, int step, const double *s,
                                  km_error *error) {
   const km_batched_rows rows = km_driver_motion_batched_rows(drive);
-  const int freedom = km_partition_freedom(&r->s->partition[r->substructure]);
+  const int freedom = km_factor_freedom(r->s->factor[r->substructure]);
   const size_t mobilities = 1 + (size_t)r->m->topology.substructure_count;
   size_t width = km_table_columns(r->out->table), residual = width - 1, dof = residual - mobilities;
   if (count == 0)
@@ -292,7 +292,7 @@ km_status km_sweeper_prepare(km_sweeper *r, km_error *error) {
     return km_fail(error, KM_MEMORY, "out of memory for the mobility");
   r->other_mobility = r->out->first.mobility;
   if (r->substructure >= 0)
-    r->out->freedom = km_partition_freedom(&r->s->partition[r->substructure]);
+    r->out->freedom = km_factor_freedom(r->s->factor[r->substructure]);
   r->other_mobility -= r->out->freedom;
   r->other_residual = 0.0;
   for (int i = 0; i < r->m->topology.substructure_count; ++i) {

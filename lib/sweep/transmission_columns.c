@@ -49,7 +49,7 @@ bool km_transmission_columns_add(km_transmission_columns *w, const km_port *outp
 static double input_entry(const km_transmission_columns *w, const km_state *s, const double *rates) {
   const km_mechanism *m = w->mechanism;
   const int index = w->input < 0 ? -1 : m->substructure_of[w->input];
-  if (index < 0 || km_partition_freedom(&s->partition[index]) != 1)
+  if (index < 0 || km_factor_freedom(s->factor[index]) != 1)
     return nan("");
   const km_substructure *sub = &m->substructures[index];
   double sum = 0.0;

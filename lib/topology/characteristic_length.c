@@ -48,12 +48,12 @@ double km_position_rounding(const km_model *model) {
   return km_sum_rounding * sqrt(square);
 }
 
-/* Squared distance of two positions; rounding counts as 0. */
+/* Squared distance of two positions; 0 below their rounding. */
 double km_squared_distance(km_vec3 a, km_vec3 b, double rounding_length) {
-  static const double rounding = 1e-10; /* relative to the positions */
   km_vec3 offset = km_vec3_sub(a, b);
   double square = km_vec3_dot(offset, offset), sizes = km_vec3_dot(a, a) + km_vec3_dot(b, b);
-  return square > rounding_length * rounding_length && square > rounding * rounding * sizes ? square : 0.0;
+  return square > rounding_length * rounding_length && square > km_relative_zero * km_relative_zero * sizes ? square
+                                                                                                            : 0.0;
 }
 
 /* Longest link over all moving bodies. */

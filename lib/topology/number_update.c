@@ -64,13 +64,17 @@ static void copy_value_indices(const km_mechanism *from, km_mechanism *to) {
   to->matrix_size = from->matrix_size;
 }
 
-/* Swaps all numbers; the mechanism stays the owner of its spare. */
+/* Swaps all numbers; the mechanism stays the owner of its spare. Factors of states borrow the weights, so these are
+ * copied to their place. */
 static void swap_numbers(km_mechanism *m, km_mechanism *spare) {
   km_mechanism old = *m;
   *m = *spare;
   *spare = old;
   m->spare = spare;
   spare->spare = NULL;
+  memcpy(old.column_weight, m->column_weight, (size_t)m->coordinate_count * sizeof *m->column_weight);
+  spare->column_weight = m->column_weight;
+  m->column_weight = old.column_weight;
   km_compile_workspace *workspace = m->spare_workspace ? m->spare_workspace : spare->spare_workspace;
   m->spare_workspace = spare->spare_workspace = workspace;
   m->holds = old.holds;

@@ -1,11 +1,9 @@
 /* Recognition of planar loops, and their conversion to planar steps (docs/theory.md 2.5).
  *
- *   plane: all hinge axes parallel to the normal, all slides normal to it, to 1e-13
+ *   plane: all hinge axes parallel to the normal, all slides normal to it, to 1e-12
  *   steps are counted from the configuration with all coordinates 0, so that no constant rotation remains */
+#include "base/number/tolerances.h"
 #include "topology/compile.h"
-
-/* Parallel axes may differ by the rounding of a few products of exact rotations. */
-static const double axis_tolerance = 1e-13;
 
 /* Axis of a step in the base frame, with all coordinates 0. */
 static km_vec3 step_axis(const km_step *step, const km_compile_workspace *w) {
@@ -41,7 +39,8 @@ bool km_moves_in_plane(km_primitive primitive, km_vec3 axis, km_vec3 normal) {
   double along = km_vec3_dot(axis, normal);
   if (primitive != KM_REVOLUTE && primitive != KM_PRISMATIC)
     return false;
-  return (primitive == KM_REVOLUTE ? km_vec3_dot(across, across) : along * along) <= axis_tolerance * axis_tolerance;
+  return (primitive == KM_REVOLUTE ? km_vec3_dot(across, across) : along * along) <=
+         km_solved_rounding * km_solved_rounding;
 }
 
 /* True if every step of the program moves in planes normal to `normal`. */
@@ -59,7 +58,7 @@ static bool are_steps_in_plane(const km_mechanism *m, const km_program *program,
 static km_rotation create_plane_frame(km_vec3 normal) {
   const double n[3] = {normal.x, normal.y, normal.z};
   for (int k = 0; k < 3; ++k) {
-    if (fabs(fabs(n[k]) - 1.0) > axis_tolerance)
+    if (fabs(fabs(n[k]) - 1.0) > km_solved_rounding)
       continue;
     km_rotation unit = km_rotation_identity();
     km_vec3 z = unit.axis[k], x = unit.axis[(k + 1) % 3];

@@ -13,13 +13,11 @@
 
 enum { MAX_ITERATIONS = 30, MAX_STEPS = 4000, STARTS = 8 };
 
-static const double shortest = 1e-10; /* shortest step in t */
-/* longest step over which the load is linear and a sign change of det J is accepted */
+/* Longest step in t over which the load is linear and det J may change its sign; the shortest step is shorter, and the
+ * correction of such a step longer, by km_significant_ratio. */
 static const double linear_step = 1e-8;
-static const double max_correction =
-    0.25; /* relative to the largest normal force: a larger correction can change the branch */
-static const double max_correction_at_turns = 1e-6; /* bound for a short step over which det J changes its sign */
-static const double divergence_bound = 1e12;        /* bound of the normal forces relative to those without friction */
+/* Largest correction relative to the largest normal force: a larger one can change the branch. */
+static const double max_correction = 0.25;
 
 static gsl_vector vector(km_arena *arena, int size) {
   return (gsl_vector){
@@ -135,17 +133,20 @@ static bool advance(km_friction *f, double t, double h) {
     correction = fmax(correction, fabs(f->tried[k] - f->predicted[k]));
   linearise(f, t + h, f->tried);
   bool sign_changed = factor_jacobian(f) != sign_before;
-  return correction <= (sign_changed ? max_correction_at_turns : max_correction) * km_max_norm(f->N, f->count) &&
+  return correction <=
+             (sign_changed ? km_significant_ratio * linear_step : max_correction) * km_max_norm(f->N, f->count) &&
          !(sign_changed && h > linear_step);
 }
 
 /* Continues the solution from t = 0 towards 1; returns the last t. */
 static double continue_solution(km_friction *f) {
-  double t = 0.0, h = 1.0, initial_force = km_max_norm(f->N, f->count);
+  /* the digits of larger forces are those of the initial ones' rounding */
+  const double largest_force = km_max_norm(f->N, f->count) / km_solved_rounding;
+  double t = 0.0, h = 1.0;
   f->load = 1.0;
   f->locks_from = nan("");
-  for (int i = 0;
-       i < MAX_STEPS && t < 1.0 && h > shortest && km_max_norm(f->N, f->count) < divergence_bound * initial_force;
+  for (int i = 0; i < MAX_STEPS && t < 1.0 && h > linear_step / km_significant_ratio &&
+                  km_max_norm(f->N, f->count) < largest_force;
        ++i) {
     h = fmin(h, 1.0 - t);
     if (!advance(f, t, h)) {

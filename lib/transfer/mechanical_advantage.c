@@ -5,20 +5,21 @@
  *   point along u    : row_j = uᵀ(v_j + ω_j × p), joints from the inertial frame to the body */
 
 #include "base/arguments.h"
+#include "base/number/tolerances.h"
 #include "base/text.h"
 #include "kinematics/body_poses.h"
 #include "local/bifurcation.h"
 #include "mobility/mobility_numbers.h"
 #include "transfer/transfer.h"
 
+#include <float.h>
 #include <string.h>
 
-/* Rates below this part of the largest scaled rate are zero. A rate nearer to its dead point is not determined by the
+/* True if a rate is above 2 √ε of the largest scaled rate. A rate nearer to its dead point is not determined by the
  * digits of its own angle, since they differ by the square. */
-static const double zero_rate_tolerance = 3e-8;
-/* Part of two cancelling velocities that is added to the scale of comparison, so that their rounding stays below
- * 1e-12 of it. */
-static const double cancellation_part = 1e-2;
+static bool is_above_rounding(double rate, double largest) {
+  return fabs(rate) > 2.0 * sqrt(DBL_EPSILON) * largest;
+}
 
 /* Marks the coordinates on which a port's rate depends: its own, or those on the path to the point's body. */
 static void mark_direct(const km_mechanism *m, const km_port *h, bool *marks) {
@@ -191,7 +192,9 @@ static void point_row(const km_mechanism *m, const km_state *s, const km_transfe
       km_twist h = km_coordinate_twist_about(m, s, l->pose, c);
       km_vec3 rotational = km_vec3_cross(h.w, p), v = km_vec3_add(h.v, rotational);
       end->row[c] = (t->is_reversed[joint] ? -1.0 : 1.0) * km_vec3_dot(direction, v);
-      end->speed[c] = km_vec3_norm(v) + cancellation_part * (km_vec3_norm(h.v) + km_vec3_norm(rotational));
+      /* a part of two velocities that cancel, so that their rounding stays below km_solved_rounding of the scale */
+      end->speed[c] =
+          km_vec3_norm(v) + km_sum_rounding / km_solved_rounding * (km_vec3_norm(h.v) + km_vec3_norm(rotational));
     }
   }
 }
@@ -218,7 +221,7 @@ static void add_motion(const km_mechanism *m, km_transfer *l, const double *z, c
 /* True if the substructure is permanently shaky; tested at the first configuration with several freedoms. */
 static bool is_permanently_shaky(const km_mechanism *m, km_state *s, int index, km_transfer *l) {
   km_constant_rank *constant_rank = &l->constant_rank[index];
-  if (km_partition_freedom(&s->partition[index]) < 2)
+  if (km_factor_freedom(s->factor[index]) < 2)
     return false;
   if (!l->is_tested[index])
     l->is_tested[index] = km_constant_rank_begin(constant_rank, m, s, index, KM_NO_DRIVER, &l->arena);
@@ -227,7 +230,7 @@ static bool is_permanently_shaky(const km_mechanism *m, km_state *s, int index, 
 
 static int find_freedom(const km_mechanism *m, km_state *s, int index, km_transfer *l) {
   l->uses_constant_rank[index] = is_permanently_shaky(m, s, index, l);
-  return l->uses_constant_rank[index] ? l->constant_rank[index].count : km_partition_freedom(&s->partition[index]);
+  return l->uses_constant_rank[index] ? l->constant_rank[index].count : km_factor_freedom(s->factor[index]);
 }
 
 /* Adds all free motions of a substructure to the rates. */
@@ -246,7 +249,7 @@ static void add_motions(const km_mechanism *m, km_state *s, int index, km_transf
     return;
   }
   const double *Z = km_state_basis(s, index);
-  for (int k = 0; k < km_partition_freedom(&s->partition[index]); ++k)
+  for (int k = 0; k < km_factor_freedom(s->factor[index]); ++k)
     add_motion(m, l, Z + (size_t)k * (size_t)sub->columns, coordinate, sub->columns, single_freedom);
 }
 
@@ -297,7 +300,7 @@ static void find_rate(const km_mechanism *m, const double *rates, double largest
 }
 
 static double rate_above_rounding(const km_transfer_end *end) {
-  return fabs(end->rate) > zero_rate_tolerance * end->size ? end->rate : 0.0;
+  return is_above_rounding(end->rate, end->size) ? end->rate : 0.0;
 }
 
 /* Returns a/b: 0, infinity or NaN if one or both are 0. */
@@ -319,7 +322,7 @@ static void evaluate_advantage(const km_mechanism *m, km_transfer *l, int freedo
     l->rates[c] /= largest;
   *out = (km_advantage){.method = freedom == 1 ? KM_ADVANTAGE_SINGLE_FREEDOM : KM_ADVANTAGE_LEAST_MOTION};
   /* an input without part in the free motions has no motion of its own */
-  bool moves = largest > (freedom == 1 ? 0.0 : zero_rate_tolerance);
+  bool moves = freedom == 1 ? largest > 0.0 : is_above_rounding(largest, 1.0);
   double scaled = largest > 0.0 ? 1.0 : 0.0;
   find_rate(m, l->rates, scaled, &l->input);
   find_rate(m, l->rates, scaled, &l->output);
@@ -363,7 +366,7 @@ int km_transfer_branches(const km_mechanism *m, km_state *s, km_transfer *l, km_
   int index = -1, count = 0;
   for (int c = 0; c < m->coordinate_count && index < 0; ++c)
     index = l->moves[c] ? m->substructure_of[c] : -1;
-  if (index < 0 || km_partition_freedom(&s->partition[index]) < 2)
+  if (index < 0 || km_factor_freedom(s->factor[index]) < 2)
     return 0;
   if (is_permanently_shaky(m, s, index, l))
     return 0;

@@ -28,8 +28,8 @@ struct km_transmission_workspace {
   int at_output;       /* index of the output in the ring */
   km_pose *pose;
   km_twist *twist;
-  double *T; /* passive joints' columns and, in a plane, the excluded components of w, as rows */
-  km_partition partition;
+  double *T;         /* passive joints' columns and, in a plane, the excluded components of w, as rows */
+  km_factor *factor; /* factor of T */
   km_singular_value_workspace *singular; /* NULL: the substructure is too large, or there is none */
 };
 
@@ -89,7 +89,8 @@ static bool allocate(const km_mechanism *m, km_transmission_workspace *w) {
   w->singular = fits ? km_singular_value_workspace_create(m) : NULL;
   if (fits && !w->singular)
     return false;
-  return km_partition_reserve(&w->partition, columns + 3, 6, arena);
+  w->factor = km_factor_create(columns + 3, 6, NULL, arena);
+  return w->factor != NULL;
 }
 
 km_status km_transmission_create(const km_mechanism *m, const km_port *input, const km_port *output,
@@ -156,7 +157,7 @@ static bool find_wrench(const km_mechanism *m, km_transmission_workspace *w, km_
   const km_substructure *sub = &m->substructures[w->substructure];
   bool planar = is_planar(m, w);
   int rows = sub->columns - 2 + (planar ? 3 : 0), count = 0;
-  double row[6], x[6], ones[6] = {1, 1, 1, 1, 1, 1};
+  double row[6];
   for (int k = 0; k < sub->columns; ++k) {
     int c = m->column_coordinate[sub->column_start + k];
     if (c == w->input.coordinate || c == w->output.coordinate)
@@ -170,10 +171,10 @@ static bool find_wrench(const km_mechanism *m, km_transmission_workspace *w, km_
     for (int i = 0; i < 3; ++i)
       add_row(keep[i], rows, &count, w->T);
   }
-  km_partition_factor(&w->partition, w->T, rows, 6, NULL, km_rank_tolerance(m, sub, 0.0));
-  if (km_partition_freedom(&w->partition) != 1)
+  km_factor_compute(w->factor, w->T, rows, 6, &(km_factor_options){.tolerance = km_rank_tolerance(m, sub, 0.0)});
+  if (km_factor_freedom(w->factor) != 1)
     return false;
-  km_partition_null_space(&w->partition, ones, 1, x);
+  const double *x = km_factor_null_space(w->factor, 1);
   km_vec3 f = km_vec3_scale(1.0 / sub->size, km_vec3_from_array(x)), t = km_vec3_from_array(x + 3);
   double force = km_vec3_norm(f), moment = km_vec3_norm(t);
   bool is_pure_moment = force * sub->size <= 1e-9 * moment;
@@ -274,7 +275,7 @@ static void find_angle(const km_mechanism *m, const km_transmission_workspace *w
 }
 
 static void find_condition(const km_mechanism *m, km_state *s, km_transmission_workspace *w, km_transmission *out) {
-  int rank = w->substructure >= 0 ? s->partition[w->substructure].rank : 0, count;
+  int rank = w->substructure >= 0 ? km_factor_rank(s->factor[w->substructure]) : 0, count;
   out->manipulability.why = out->condition.why = w->substructure < 0 ? "the input is in no loop"
                                                  : rank == 0         ? "the loops constrain nothing"
                                                  : !w->singular ? "the substructure is too large for singular values"
@@ -294,7 +295,7 @@ static void find_condition(const km_mechanism *m, km_state *s, km_transmission_w
 static const char *no_wrench(const km_mechanism *m, const km_state *s, const km_transmission_workspace *w) {
   if (w->no_loop)
     return w->no_loop;
-  if (!is_planar(m, w) && s->partition[w->substructure].rank < 6)
+  if (!is_planar(m, w) && km_factor_rank(s->factor[w->substructure]) < 6)
     return "the loop is overconstrained: the wrench isn't unique";
   return NULL;
 }
@@ -327,7 +328,7 @@ void km_transmission_compute(const km_mechanism *m, km_state *s, km_transmission
       const double values[6] = {wrench.f.x, wrench.f.y, wrench.f.z, t.x, t.y, t.z};
       memcpy(out->wrench, values, sizeof values);
     } else {
-      out->no_wrench = km_partition_freedom(&s->partition[w->substructure]) == 1
+      out->no_wrench = km_factor_freedom(s->factor[w->substructure]) == 1
                            ? "the passive joints are dependent here: the wrench isn't unique"
                            : "the loop has not just one freedom";
       for (int i = 0; i < 3; ++i)

@@ -4,6 +4,7 @@
 #include "kinematics/loop_closing.h"
 #include "kmech/continuation.h"
 #include "lapack.h"
+#include "linalg/factor_private.h"
 #include "machine.h"
 
 #include <stdlib.h>
@@ -24,16 +25,16 @@ typedef struct part {
   const double *weight;
   const int *coordinate;
   double J[POSES][BLOCK];
-  km_partition found, kept;
-  double Z[BLOCK], numbers[COLUMNS];
+  km_factor *found, *kept;
+  double numbers[COLUMNS];
 } part;
 
 typedef struct problem {
   km_arena arena;
   part parts[PARTS];
   double whole[POSES][ROWS * COLUMNS]; /* six rows a loop, a column a joint, columns over their weights */
-  km_partition dense;
-  double ones[COLUMNS], dense_Z[COLUMNS * COLUMNS], dense_numbers[COLUMNS];
+  km_factor *dense;
+  double dense_numbers[COLUMNS];
   lapack_space lapack;
   int pose; /* the next one */
 } problem;
@@ -70,9 +71,9 @@ static void read_poses(problem *p, bench_machine *machine, int index) {
     place(p, i, a, sub->loop_start);
   }
   km_driver_motion_free(drive);
-  km_partition_reserve(&a->found, a->rows, a->columns, &p->arena);
-  km_partition_reserve(&a->kept, a->rows, a->columns, &p->arena);
-  km_partition_factor(&a->kept, a->J[0], a->rows, a->columns, NULL, tolerance);
+  a->found = km_factor_create(a->rows, a->columns, a->weight, &p->arena);
+  a->kept = km_factor_create(a->rows, a->columns, a->weight, &p->arena);
+  km_factor_compute(a->kept, a->J[0], a->rows, a->columns, &(km_factor_options){.tolerance = tolerance});
 }
 
 /* The rigid joint A has no coordinate: 19 columns belong to joints, the last one is its empty one. */
@@ -80,19 +81,16 @@ static void read_problem(problem *p, bench_machine *machine) {
   *p = (problem){0};
   for (int i = 0; i < PARTS; ++i)
     read_poses(p, machine, i);
-  for (int i = 0; i < COLUMNS; ++i)
-    p->ones[i] = 1.0;
-  km_partition_reserve(&p->dense, ROWS, COLUMNS, &p->arena);
+  p->dense = km_factor_create(ROWS, COLUMNS, NULL, &p->arena);
 }
 
 static int next_pose(problem *p) {
   return p->pose = (p->pose + 1) % POSES;
 }
 
-static void read_numbers(part *a, const km_partition *partition) {
-  int freedom = km_partition_freedom(partition);
-  km_partition_null_space(partition, a->weight, freedom, a->Z);
-  km_mobility_numbers(a->Z, a->columns, freedom, a->numbers);
+static void read_numbers(part *a, km_factor *partition) {
+  int freedom = km_factor_freedom(partition);
+  km_mobility_numbers(km_factor_null_space(partition, freedom), a->columns, freedom, a->numbers);
 }
 
 static void run_searched(void *context) {
@@ -100,8 +98,8 @@ static void run_searched(void *context) {
   int pose = next_pose(p);
   for (int i = 0; i < PARTS; ++i) {
     part *a = &p->parts[i];
-    km_partition_factor(&a->found, a->J[pose], a->rows, a->columns, NULL, tolerance);
-    read_numbers(a, &a->found);
+    km_factor_compute(a->found, a->J[pose], a->rows, a->columns, &(km_factor_options){.tolerance = tolerance});
+    read_numbers(a, a->found);
   }
 }
 
@@ -110,18 +108,17 @@ static void run_kept(void *context) {
   int pose = next_pose(p);
   for (int i = 0; i < PARTS; ++i) {
     part *a = &p->parts[i];
-    if (!km_partition_refactor(&a->kept, a->J[pose]))
+    if (!km_factor_refactor(a->kept, a->J[pose], KM_BASIS_SHORT))
       bench_fail(name, "the monitor refuses the pivots of the first pose");
-    read_numbers(a, &a->kept);
+    read_numbers(a, a->kept);
   }
 }
 
 static void run_dense(void *context) {
   problem *p = context;
-  km_partition_factor(&p->dense, p->whole[next_pose(p)], ROWS, COLUMNS, NULL, tolerance);
-  int freedom = km_partition_freedom(&p->dense);
-  km_partition_null_space(&p->dense, p->ones, freedom, p->dense_Z);
-  km_mobility_numbers(p->dense_Z, COLUMNS, freedom, p->dense_numbers);
+  km_factor_compute(p->dense, p->whole[next_pose(p)], ROWS, COLUMNS, &(km_factor_options){.tolerance = tolerance});
+  int freedom = km_factor_freedom(p->dense);
+  km_mobility_numbers(km_factor_null_space(p->dense, freedom), COLUMNS, freedom, p->dense_numbers);
 }
 
 static void run_svd(void *context) {
@@ -141,7 +138,7 @@ static int gather(const problem *p, bool kept, double *numbers) {
     numbers[i] = 1.0; /* outside loops */
   for (int i = 0; i < PARTS; ++i) {
     const part *a = &p->parts[i];
-    rank += kept ? a->kept.rank : a->found.rank;
+    rank += kept ? a->kept->rank : a->found->rank;
     for (int k = 0; k < a->columns; ++k)
       numbers[a->coordinate[k]] = a->numbers[k];
   }
@@ -161,7 +158,7 @@ static void check(problem *p) {
       else
         memcpy(numbers, k == 3 ? p->dense_numbers : p->lapack.numbers, sizeof numbers);
       if (k == 3 || k == 4)
-        rank = k == 3 ? p->dense.rank : p->lapack.rank;
+        rank = k == 3 ? p->dense->rank : p->lapack.rank;
       if (k == 0) {
         svd_rank = p->lapack.rank;
         memcpy(svd, numbers, sizeof svd);

@@ -1,6 +1,7 @@
 /* Many four-bars: in substructures of their own, and chained into one. Time must be linear in both. The chain's
  * partition beside the dense engine and SuiteSparse's rank-revealing sparse QR. */
 #include "bench.h"
+#include "linalg/factor_private.h"
 
 #include "base/text.h"
 #include "kinematics/loop_closing.h"
@@ -53,7 +54,7 @@ typedef struct engines {
   km_model *model;
   km_mechanism *mechanism;
   km_state *state;
-  km_partition dense;
+  km_factor *dense;
   km_arena arena;
   cholmod_common common;
   cholmod_sparse *J;
@@ -71,14 +72,17 @@ static void run_sparse(void *context) {
 
 static void run_kept(void *context) {
   engines *e = context;
-  if (!km_partition_refactor(&e->state->partition[0], km_state_jacobian(e->state, &e->mechanism->substructures[0])))
+  if (!km_factor_refactor(e->state->factor[0], km_state_jacobian(e->state, &e->mechanism->substructures[0]),
+                          KM_BASIS_SHORT))
     bench_fail("scale/engines", "the pivots of the same values are refused");
 }
 
 static void run_dense(void *context) {
   engines *e = context;
   const km_substructure *sub = &e->mechanism->substructures[0];
-  km_partition_factor(&e->dense, e->whole, sub->rows, sub->columns, NULL, km_rank_tolerance(e->mechanism, sub, 0));
+  km_factor_forget(e->dense);
+  km_factor_compute(e->dense, e->whole, sub->rows, sub->columns,
+                    &(km_factor_options){.tolerance = km_rank_tolerance(e->mechanism, sub, 0)});
 }
 
 /* R and the column order: what the null space needs. */
@@ -99,7 +103,7 @@ static void go_on(engines *e) {
   km_closure closure;
   km_mobility_compute(e->mechanism, e->state, &mobility);
   const double *Z = km_state_basis(e->state, 0), *weight = e->mechanism->column_weight + sub->column_start;
-  for (int k = 0; k < km_partition_freedom(&e->state->partition[0]) && move; ++k)
+  for (int k = 0; k < km_factor_freedom(e->state->factor[0]) && move; ++k)
     for (int c = 0; c < sub->columns; ++c)
       move[c] += 2.0 * Z[(size_t)k * (size_t)sub->columns + (size_t)c] / weight[c];
   if (move)
@@ -131,7 +135,8 @@ static void open_engines(engines *e, const km_text *text, bool away) {
                          .x = e->whole,
                          .xtype = CHOLMOD_REAL};
   e->J = cholmod_l_dense_to_sparse(&whole, 1, &e->common);
-  if (!km_partition_reserve(&e->dense, sub->rows, sub->columns, &e->arena))
+  e->dense = km_factor_create(sub->rows, sub->columns, NULL, &e->arena);
+  if (!e->dense)
     bench_fail("scale/engines", "out of memory");
 }
 
@@ -157,9 +162,9 @@ static void compare_engines(const char *name, const km_text *text, bool away, in
                             {.name = "SPQR", .run = run_spqr, .context = &e},
                             {.name = "dense", .run = run_dense, .context = &e}};
   bench_time(all, n <= MOST_DENSE ? 4 : 3);
-  const km_partition *p = &e.state->partition[0];
-  if (e.common.SPQR_istat[4] != p->rank || (n <= MOST_DENSE && e.dense.rank != p->rank))
-    bench_fail(bench, "rank %d, by SPQR %d, dense %d", p->rank, (int)e.common.SPQR_istat[4], e.dense.rank);
+  const km_factor *p = e.state->factor[0];
+  if (e.common.SPQR_istat[4] != p->rank || (n <= MOST_DENSE && e.dense->rank != p->rank))
+    bench_fail(bench, "rank %d, by SPQR %d, dense %d", p->rank, (int)e.common.SPQR_istat[4], e.dense->rank);
   snprintf(figure, sizeof figure, "over_spqr%s_%d", name, n);
   bench_figure(bench, figure, bench_ratio(&all[2], &all[0]));
   snprintf(figure, sizeof figure, "kept_over_spqr%s_%d", name, n);

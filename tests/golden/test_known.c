@@ -43,7 +43,7 @@ static void check_model(const char *name) {
   check_advantage(&f, known);
   int rank = 0;
   for (int s = 0; s < f.mechanism->topology.substructure_count; ++s)
-    rank += f.state->partition[s].rank;
+    rank += km_factor_rank(f.state->factor[s]);
   expect(known, "rank", rank, 0.0);
   const km_value *numbers = km_value_get(known, "mobility_numbers");
   for (const km_value *n = numbers ? numbers->first : NULL; n; n = n->next) {

@@ -1,4 +1,5 @@
 /* The runs of the thesis and of IFToMM's benchmarks, and what they have to keep (theory 7). */
+#include "linalg/factor_private.h"
 #include "support/moving.h"
 
 #include "dynamics/dynamics.h"
@@ -32,7 +33,7 @@ static void test_slider_crank(void **data) {
   fixture f = fixture_open("slider_crank");
   moving m = moving_of(f);
   assert_int_equal(km_dynamics_accelerate(m.dynamics, f.state, NULL), KM_OK);
-  const km_partition *p = &f.state->partition[0];
+  const km_factor *p = f.state->factor[0];
   assert_string_equal(f.model->coordinates[f.mechanism->column_coordinate[p->column[p->rank]]].label, "D");
   record r = run(&f, 20.0, 0.03, 1e-4, 0.01);
   assert_at_most(r.worst_loop, 1.5e-10);

@@ -36,7 +36,7 @@ static bool choose(const fixture *f, randomness *r, int *in, int *out) {
   for (int tries = 0; tries < 50 && m->topology.substructure_count; ++tries) {
     int s = below(r, m->topology.substructure_count);
     const km_substructure *sub = &m->substructures[s];
-    if (km_partition_freedom(&f->state->partition[s]) != 1)
+    if (km_factor_freedom(f->state->factor[s]) != 1)
       continue;
     *in = m->column_coordinate[sub->column_start + below(r, sub->columns)];
     *out = m->column_coordinate[sub->column_start + below(r, sub->columns)];

@@ -1,6 +1,7 @@
 /* Accelerations by clusters against those of the whole bordered system (133), solved as it stands. */
 #include "dynamics/dynamics.h"
 #include "kinematics/loop_equations.h"
+#include "linalg/factor_private.h"
 #include "support/moving.h"
 
 #include <stdlib.h>
@@ -76,7 +77,7 @@ static void fill_constraints(moving *m, bordered *s) {
   int row = s->coordinates;
   for (int i = 0; i < mechanism->topology.substructure_count; ++i) {
     const km_substructure *sub = &mechanism->substructures[i];
-    const km_partition *p = &state->partition[i];
+    const km_factor *p = state->factor[i];
     double *J = calloc((size_t)sub->rows * (size_t)sub->columns + 1, sizeof *J);
     double *gamma = calloc((size_t)sub->rows + 1, sizeof *gamma);
     km_state_jacobian_dense(state, sub, J);
@@ -135,7 +136,7 @@ static double difference(moving *m) {
   const km_mechanism *mechanism = m->f.mechanism;
   bordered s = {.coordinates = mechanism->coordinate_count, .size = mechanism->coordinate_count};
   for (int i = 0; i < mechanism->topology.substructure_count; ++i)
-    s.size += m->f.state->partition[i].rank;
+    s.size += km_factor_rank(m->f.state->factor[i]);
   s.A = calloc((size_t)s.size * (size_t)s.size + 1, sizeof *s.A);
   s.b = calloc((size_t)s.size + 1, sizeof *s.b);
   fill_masses(m, &s);

@@ -1,4 +1,5 @@
 /* The laws on substructures of many loops, which the sparse engine factors. */
+#include "linalg/factor_private.h"
 #include "support/chains.h"
 #include "support/laws.h"
 
@@ -19,7 +20,7 @@ static void laws_hold(void **state) {
   for (int n = 8; n <= 40; n *= 2) {
     randomness r = {(uint64_t)n};
     fixture f = chain_of(n);
-    assert_non_null(f.state->partition[0].sparse);
+    assert_non_null(f.state->factor[0]->sparse);
     for (size_t i = 0; i < sizeof laws / sizeof *laws; ++i)
       laws[i](&f, &r);
     fixture_close(&f);

@@ -193,7 +193,7 @@ static shown look(design *d) {
   shown out = {0};
   if (km_driver_motion_is_batched(d->drive)) {
     out.residual = km_driver_motion_batched_residual(d->drive);
-    if (km_partition_freedom(&d->f.state->partition[sub]) == 1)
+    if (km_factor_freedom(d->f.state->factor[sub]) == 1)
       km_driver_motion_batched_direction(d->drive, out.direction);
     return out;
   }
@@ -201,7 +201,7 @@ static shown look(design *d) {
   out.residual = km_loops_residual(m, d->f.state, s, &worst);
   const double *Z = km_state_basis(d->f.state, sub);
   double sense = Z[d->drive->c.column] < 0.0 ? -1.0 : 1.0;
-  for (int k = 0; k < s->columns && km_partition_freedom(&d->f.state->partition[sub]) == 1; ++k)
+  for (int k = 0; k < s->columns && km_factor_freedom(d->f.state->factor[sub]) == 1; ++k)
     out.direction[m->column_coordinate[s->column_start + k]] = sense * Z[k];
   return out;
 }

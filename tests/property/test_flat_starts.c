@@ -38,8 +38,7 @@ static void bends_are_velocity_products(fixture *f, randomness *r) {
     km_search_pivots(m, f->state, s, KM_NO_DRIVER, km_rank_tolerance(m, sub, 0.0));
     for (size_t k = 0; k < columns; ++k)
       x[k] = uniform(r, -1.0, 1.0);
-    bool moves =
-        km_partition_freedom(&f->state->partition[s]) > 0 && km_tangent_project(m, f->state, s, x, part) > 1e-3;
+    bool moves = km_factor_freedom(f->state->factor[s]) > 0 && km_tangent_project(m, f->state, s, x, part) > 1e-3;
     for (size_t k = 0; k < columns; ++k) {
       int c = m->column_coordinate[(size_t)sub->column_start + k];
       rate[c] = m->unit[c] * x[k];
@@ -100,7 +99,7 @@ static void judge_closest(fixture *f, double apart, randomness *r) {
   assert_int_equal(km_loops_close(m, f->state, 0, driver, &evidence), KM_CLOSED);
   km_state_difference(f->state, sub, y, away);
   double length = km_step_length(m, sub, away);
-  assert_true(km_nearest_configuration_find(&closest, m, f->state, 0, driver, &f->state->partition[0], away));
+  assert_true(km_nearest_configuration_find(&closest, m, f->state, 0, driver, f->state->factor[0], away));
   km_state_difference(f->state, sub, y, rest);
   for (size_t k = 0; k < n; ++k)
     assert_near(rest[k], away[k], 1e-12);

@@ -100,7 +100,7 @@ static void starts_in_folded_chains(void **state) {
     km_arena arena = {0};
     double length;
     int found = 0, starts = 1200 / f.mechanism->substructures[0].columns;
-    km_local *l = km_local_create(f.mechanism, f.state, 0, NULL, &arena);
+    km_local *l = km_local_create(f.mechanism, f.state, 0, NULL, 0.0, &arena);
     assert_true(l && km_local_reserve_tangents(l, false));
     while (km_local_find_next(l, NULL, 0, &length))
       ++found;

@@ -54,7 +54,8 @@ static void check(const km_text *text, int loops, bool planar) {
   assert_int_equal(evidence.loops, loops);
   for (int l = 0; l < loops && planar; ++l)
     assert_int_equal(f.mechanism->loops[l].lambda, 3);
-  assert_near(evidence.rank, rank_by_spqr(&f, evidence.tolerance * f.state->partition[0].scale), 0.0);
+  assert_near(evidence.rank, rank_by_spqr(&f, evidence.tolerance * km_factor_get_evidence(f.state->factor[0]).scale),
+              0.0);
   assert_int_equal(mobility.mobility, 1);
   assert_true(mobility.residual < 1e-9);
   fixture_close(&f);
@@ -195,9 +196,9 @@ static void many_motions(void **state) {
   assert_int_equal(km_state_set_coordinates(m, f.state, zero, NULL), KM_OK);
   km_loops_update(m, f.state, sub);
   law_numbers(&f, &r);
-  int freedom = km_partition_freedom(&f.state->partition[0]);
-  assert_true(freedom > KM_MANY_VECTORS && f.state->partition[0].rank > KM_MANY_VECTORS);
-  const double *weight = m->column_weight + sub->column_start, *Z = km_state_null_space(m, f.state, 0, freedom);
+  int freedom = km_factor_freedom(f.state->factor[0]);
+  assert_true(freedom > KM_MANY_VECTORS && km_factor_rank(f.state->factor[0]) > KM_MANY_VECTORS);
+  const double *weight = m->column_weight + sub->column_start, *Z = km_factor_null_space(f.state->factor[0], freedom);
   for (size_t c = 0; c < columns; ++c)
     rest[c] = x[c] = uniform(&r, -1.0, 1.0);
   for (int k = 0; k < freedom; ++k) {

@@ -56,12 +56,11 @@ static void check_independent(const km_left_space *space, const km_left_null *nu
   km_arena arena = {0};
   int count = km_left_null_count(null);
   double *W = KM_ARENA_NEW(&arena, double, (size_t)(space->rows * count + 1));
-  km_partition p;
-  assert_true(km_partition_reserve(&p, space->rows, count, &arena));
+  km_factor *p = km_factor_create(space->rows, count, NULL, &arena);
   for (int a = 0; a < count; ++a)
     vector_of(space, null, a, W + (size_t)a * (size_t)space->rows);
-  km_partition_factor(&p, W, space->rows, count, NULL, 1e-6);
-  assert_int_equal(p.rank, count);
+  km_factor_compute(p, W, space->rows, count, &(km_factor_options){.tolerance = 1e-6});
+  assert_int_equal(km_factor_rank(p), count);
   km_arena_free(&arena);
 }
 
@@ -95,7 +94,7 @@ static int check(fixture *f, int index) {
   assert_true(km_left_space_create(f->mechanism, f->state, index, &arena, &space));
   assert_true(km_left_null_find(&space, &arena, &null));
   int count = km_left_null_count(&null);
-  assert_int_equal(count, space.rows - f->state->partition[index].rank);
+  assert_int_equal(count, space.rows - km_factor_rank(f->state->factor[index]));
   km_twist *twist = KM_ARENA_NEW(&arena, km_twist, (size_t)f->mechanism->coordinate_count);
   double *J = KM_ARENA_NEW(&arena, double, (size_t)(space.rows * sub->columns + 1));
   double *w = KM_ARENA_NEW(&arena, double, (size_t)space.rows), *x = KM_ARENA_NEW(&arena, double, (size_t)space.rows);

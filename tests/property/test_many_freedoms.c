@@ -1,4 +1,5 @@
 /* Substructures with many freedoms: what is found without a basis of them is what a basis gives. */
+#include "linalg/factor_private.h"
 #include "support/chains.h"
 #include "support/folded.h"
 #include "support/lattices.h"
@@ -34,7 +35,7 @@ static void laws_of_many_freedoms(void **state) {
     randomness r = {i + 1};
     for (size_t k = 0; k < sizeof laws / sizeof *laws; ++k)
       laws[k](&fixtures[i], &r);
-    assert_true(km_partition_freedom(&fixtures[i].state->partition[0]) > KM_MANY_VECTORS);
+    assert_true(km_factor_freedom(fixtures[i].state->factor[0]) > KM_MANY_VECTORS);
     fixture_close(&fixtures[i]);
   }
 }
@@ -46,7 +47,7 @@ static void pivots_of_all_rows_stay(void **state) {
   fixture f = five_bars(LOOPS);
   const km_mechanism *m = f.mechanism;
   const km_substructure *sub = &m->substructures[0];
-  km_partition *p = &f.state->partition[0];
+  km_factor *p = f.state->factor[0];
   randomness r = {7};
   km_closure evidence;
   double *move = KM_NEW(double, (size_t)sub->columns);
@@ -114,7 +115,7 @@ static void bases_wait(void **state) {
   km_mobility mobility;
   km_mobility_compute(f.mechanism, f.state, &mobility);
   assert_int_equal(mobility.mobility, LOOPS + 1);
-  assert_int_equal(f.state->basis[0].count, 0);
+  assert_int_equal(km_factor_known_null_vectors(f.state->factor[0]), 0);
   size_t n = (size_t)f.mechanism->coordinate_count;
   double *N = KM_NEW(double, n *n);
   int freedom;
@@ -194,7 +195,7 @@ static bool compare(fixture f) {
   km_arena arena = {0};
   bool met[KM_MAX_FINITE_MOTIONS] = {false};
   assert_false(few.undecided || few.truncated);
-  km_local *l = km_local_create(m, f.state, 0, NULL, &arena);
+  km_local *l = km_local_create(m, f.state, 0, NULL, 0.0, &arena);
   assert_true(l && km_local_reserve_tangents(l, false));
   double *x = KM_ARENA_NEW(&arena, double, (size_t)l->sub->columns);
   bool regular = few.motion_count == 0 || few.motions[0].kind == KM_MOTION_REGULAR;
@@ -276,7 +277,7 @@ static void assert_unreached(const fixture *f, const km_statics *st, const int *
 static void assert_balanced(const fixture *f, const km_forces *forces, const km_statics *st, const int *actuators) {
   const km_mechanism *m = f->mechanism;
   const km_substructure *sub = &m->substructures[0];
-  int freedom = km_partition_freedom(&f->state->partition[0]), count = st->actuator_count;
+  int freedom = km_factor_freedom(f->state->factor[0]), count = st->actuator_count;
   const double *z = km_state_basis(f->state, 0);
   double work = 0.0, *F = KM_NEW(double, (size_t)count + 1);
   for (int i = 0; i < count; ++i)
@@ -328,7 +329,8 @@ static void forces_of_many_freedoms(void **state) {
     for (int i = 0; i < count && count < coordinates; ++i)
       actuators[i] = i * (coordinates / MOST) + (int)uniform(&r, 0.0, 20.0);
     hold(&f, forces, count < coordinates ? actuators : all, count, &many);
-    assert_true(n > 0 || f.state->basis[0].count == 0); /* later those of the whole basis are there */
+    assert_true(n > 0 ||
+                km_factor_known_null_vectors(f.state->factor[0]) == 0); /* later those of the whole basis are there */
     assert_balanced(&f, forces, &many, count < coordinates ? actuators : all);
     assert_unreached(&f, &many, count < coordinates ? actuators : all);
     held += many.held;

@@ -121,7 +121,7 @@ static fixture trellis(void) {
 static km_status set_conditions(km_error *error) {
   fixture f = trellis();
   km_arena arena = {0};
-  km_local *l = km_local_create(f.mechanism, f.state, 0, NULL, &arena);
+  km_local *l = km_local_create(f.mechanism, f.state, 0, NULL, 0.0, &arena);
   assert_true(l && km_local_reserve_tangents(l, false));
   begin();
   km_status status = end(km_second_order_columns_create(l, error));

@@ -45,7 +45,7 @@ static fixture any(int kind, randomness *r) {
 
 /* The tangents at the pose, with their conditions. */
 static km_local *make(fixture *f, km_arena *arena) {
-  km_local *t = km_local_create(f->mechanism, f->state, 0, NULL, arena);
+  km_local *t = km_local_create(f->mechanism, f->state, 0, NULL, 0.0, arena);
   assert_true(t && km_local_reserve_tangents(t, true) && km_local_update_conditions(t));
   return t;
 }

@@ -1,5 +1,6 @@
 /* Errors, Jacobians and pivots of a configuration are cached, and computed again after any change of their inputs:
  * cached data have the bits of a fresh state. */
+#include "linalg/factor_private.h"
 #include "support/support.h"
 
 #include "kinematics/loop_closing.h"
@@ -107,7 +108,7 @@ static void searched_once(void **state) {
   (void)state;
   fixture f = fixture_open("fourbar");
   const km_substructure *sub = &f.mechanism->substructures[0];
-  const km_partition *p = &f.state->partition[0];
+  const km_factor *p = f.state->factor[0];
   const double tolerance = 1e-9;
   double step[8] = {1e-3, 1e-3, 1e-3, 1e-3};
   km_loops_update(f.mechanism, f.state, sub);
@@ -125,7 +126,7 @@ static void searched_once(void **state) {
   km_loops_update(f.mechanism, f.state, sub);
   km_search_pivots(f.mechanism, f.state, 0, 0, 2.0 * tolerance);
   assert_int_equal(p->search_count, ++searches);
-  assert_true(km_partition_refactor(&f.state->partition[0], km_state_jacobian(f.state, sub)));
+  assert_true(km_factor_refactor(f.state->factor[0], km_state_jacobian(f.state, sub), KM_BASIS_SHORT));
   km_search_pivots(f.mechanism, f.state, 0, 0, 2.0 * tolerance); /* a refactor has made the pivots' numbers others */
   assert_int_equal(p->search_count, ++searches);
   fixture_close(&f);

@@ -16,7 +16,7 @@ static double kept_by_lapacke(const fixture *f, int index) {
     for (int r = 0; r < rows; ++r)
       A[c * rows + r] /= f->mechanism->column_weight[sub->column_start + c];
   assert_int_equal(LAPACKE_dgesdd(LAPACK_COL_MAJOR, 'N', rows, columns, A, rows, values, none, 1, none, 1), 0);
-  double kept = values[f->state->partition[index].rank - 1];
+  double kept = values[km_factor_rank(f->state->factor[index]) - 1];
   km_free(A);
   km_free(values);
   return kept;

@@ -116,7 +116,7 @@ static void check_balance(fixture *f, const km_statics *st, const km_port *actua
   double *rates = KM_NEW(double, (size_t)m->coordinate_count + 1);
   for (int i = 0; i < m->topology.substructure_count; ++i) {
     const km_substructure *sub = &m->substructures[i];
-    for (int k = 0; k < km_partition_freedom(&f->state->partition[i]); ++k) {
+    for (int k = 0; k < km_factor_freedom(f->state->factor[i]); ++k) {
       memset(rates, 0, (size_t)m->coordinate_count * sizeof *rates);
       for (int j = 0; j < sub->columns; ++j) {
         int c = m->column_coordinate[sub->column_start + j];

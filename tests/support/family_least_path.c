@@ -108,7 +108,7 @@ static int choose_driver(fixture *f, randomness *r, int *columns) {
   km_mobility_compute(m, f->state, &mobility);
   for (int tries = 0; tries < 20 && m->coordinate_count > 0; ++tries) {
     int c = below(r, m->coordinate_count), index = m->substructure_of[c];
-    if (index < 0 || m->held[c] || m->ball_of[c] >= 0 || km_partition_freedom(&f->state->partition[index]) < 2 ||
+    if (index < 0 || m->held[c] || m->ball_of[c] >= 0 || km_factor_freedom(f->state->factor[index]) < 2 ||
         km_mobility_number(f->state, c) < 0.02)
       continue;
     *columns = m->substructures[index].columns;

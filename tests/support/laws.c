@@ -1,5 +1,6 @@
 /* Laws that hold at every closed pose, each against equations of its own. */
 #include "support/laws.h"
+#include "linalg/factor_private.h"
 
 #include "kinematics/body_poses.h"
 #include "kinematics/loop_closing.h"
@@ -95,11 +96,11 @@ void law_null_space(fixture *f, randomness *r) {
   km_mobility_compute(m, f->state, &mobility);
   for (int s = 0; s < m->topology.substructure_count; ++s) {
     const km_substructure *sub = &m->substructures[s];
-    const km_partition *p = &f->state->partition[s];
+    const km_factor *p = f->state->factor[s];
     const double *Z = km_state_basis(f->state, s), *weight = m->column_weight + sub->column_start;
     int rows;
     double *J = whole_jacobian(f, s, &rows);
-    for (int k = 0; k < km_partition_freedom(p); ++k) {
+    for (int k = 0; k < km_factor_freedom(p); ++k) {
       for (int i = 0; i < rows; ++i) {
         double sum = 0.0;
         for (int c = 0; c < sub->columns; ++c)
@@ -125,7 +126,7 @@ void law_numbers(fixture *f, randomness *r) {
   for (int s = 0; s < m->topology.substructure_count; ++s) {
     const km_substructure *sub = &m->substructures[s];
     double *numbers = KM_NEW(double, (size_t)sub->columns);
-    assert_near(f->state->partition[s].rank, numbers_by_svd(f, s, numbers), 0.0);
+    assert_near(km_factor_rank(f->state->factor[s]), numbers_by_svd(f, s, numbers), 0.0);
     for (int k = 0; k < sub->columns; ++k)
       assert_near(f->state->mobility_number[m->column_coordinate[sub->column_start + k]], numbers[k], 1e-10);
     km_free(numbers);
@@ -149,8 +150,8 @@ static void assert_least_rates(fixture *f, int s, int driver) {
       sum += J[k * rows + i] * t[k];
     assert_near(sum / length, 0.0, 1e-9);
   }
-  const double *Z = km_state_null_space(m, f->state, s, km_partition_freedom(&f->state->partition[s]) - 1);
-  for (int i = 0; i < km_partition_freedom(&f->state->partition[s]) - 1; ++i) {
+  const double *Z = km_factor_null_space(f->state->factor[s], km_factor_freedom(f->state->factor[s]) - 1);
+  for (int i = 0; i < km_factor_freedom(f->state->factor[s]) - 1; ++i) {
     double dot = 0.0;
     for (size_t k = 0; k < n; ++k)
       dot += Z[(size_t)i * n + k] * weight[k] * t[k];
@@ -172,7 +173,7 @@ void law_forced(fixture *f, randomness *r) {
     for (int k = 0; k < sub->columns; ++k)
       free_numbers[k] = f->state->mobility_number[m->column_coordinate[sub->column_start + k]];
     km_search_pivots(m, f->state, s, driver, km_rank_tolerance(m, sub, 0.0));
-    if (!f->state->partition[s].forced_dependent)
+    if (!km_factor_has_forced_pivot(f->state->factor[s]))
       assert_least_rates(f, s, driver);
     km_numbers_update(m, f->state, s);
     for (int k = 0; k < sub->columns; ++k)

@@ -76,9 +76,9 @@ void run_svd(void) {
   }
 }
 
-void reserve_one(km_partition *p, int rows, int columns) {
+void reserve_one(km_factor **p, int rows, int columns) {
   if (!sparse) {
-    assert_true(km_partition_reserve(p, rows, columns, &f.arena));
+    *p = km_factor_create(rows, columns, f.D, &f.arena);
     return;
   }
   int *start = KM_ARENA_NEW(&f.arena, int, (size_t)columns + 1);
@@ -87,17 +87,18 @@ void reserve_one(km_partition *p, int rows, int columns) {
     row[i] = i % rows;
   for (int c = 0; c <= columns; ++c)
     start[c] = c * rows;
-  assert_true(km_partition_reserve_sparse(p, rows, columns, start, row, &f.arena));
+  *p = km_factor_create_sparse(rows, columns, start, row, f.D, &f.arena);
 }
 
 void reserve(void) {
   km_arena_free(&f.arena);
   f.arena = (km_arena){0};
+  f.options = (km_factor_options){.tolerance = 1e-9, .forced = f.forced};
   reserve_one(&f.p, f.rows, f.columns);
   reserve_one(&f.q, f.rows, f.columns);
 }
 
-const double *stored(const km_partition *p) {
+const double *stored(const km_factor *p) {
   static double values[MOST * MOST];
   if (!p->sparse)
     return f.J;
@@ -107,8 +108,8 @@ const double *stored(const km_partition *p) {
   return values;
 }
 
-void factor(km_partition *p) {
-  km_partition_factor(p, stored(p), f.rows, f.columns, f.forced, 1e-9);
+void factor(km_factor *p) {
+  km_factor_compute(p, stored(p), f.rows, f.columns, &f.options);
 }
 
 void check_permutation(const int *list, int count) {
@@ -128,7 +129,7 @@ double largest_entry(void) {
 }
 
 /* The pivots, and the sign of their product, by elimination in pivot order without exchanges. */
-static int eliminate(const km_partition *p, double *pivots) {
+static int eliminate(km_factor *p, double *pivots) {
   static double A[MOST * MOST];
   int n = p->rank, sign = 1;
   for (int i = 0; i < n; ++i)
@@ -145,17 +146,17 @@ static int eliminate(const km_partition *p, double *pivots) {
 }
 
 /* Each pivot is what is left of its entry when those before it are eliminated. */
-void check_pivots(const km_partition *p) {
+void check_pivots(km_factor *p) {
   double pivots[MOST], rounding = 1e-11 * largest_entry();
   assert_int_equal(p->sign, eliminate(p, pivots));
   for (int i = 0; i < p->rank; ++i)
     assert_near(1.0 / p->inverse[i], pivots[i], rounding + 1e-9 * fabs(pivots[i]));
 }
 
-void check_directions(const km_partition *p) {
+void check_directions(km_factor *p) {
   double x[MOST], scale = largest_entry();
   for (int k = p->rank; k < p->columns; ++k) {
-    km_partition_null_vector(p, p->column[k], x);
+    km_factor_null_vector(p, p->column[k], x);
     assert_near(x[p->column[k]], 1.0, 0.0);
     for (int r = 0; r < f.rows; ++r) {
       double sum = 0.0, size = 0.0;
@@ -165,15 +166,15 @@ void check_directions(const km_partition *p) {
       }
       assert_true(fabs(sum) <= 1e-11 * (size + scale));
     }
-    const double *b = km_partition_b(p, k - p->rank);
+    const double *b = km_factor_b(p, k - p->rank);
     for (int i = 0; i < p->rank; ++i)
       assert_true(-x[p->column[i]] == b[i]);
   }
 }
 
-void check_null(const km_partition *p, double tolerance) {
-  int freedom = km_partition_freedom(p), n = f.columns;
-  km_partition_null_space(p, f.D, freedom, f.Z);
+void check_null(km_factor *p, double tolerance) {
+  int freedom = km_factor_freedom(p), n = f.columns;
+  memcpy(f.Z, km_factor_null_space(p, freedom), (size_t)(freedom * n) * sizeof *f.Z);
   for (int a = 0; a < freedom; ++a)
     for (int b = 0; b <= a; ++b) {
       double dot = 0.0;
@@ -186,11 +187,11 @@ void check_null(const km_partition *p, double tolerance) {
     assert_near(f.numbers[j], f.svd_numbers[j], tolerance);
 }
 
-void check_solution(const km_partition *p) {
+void check_solution(km_factor *p) {
   double rhs[MOST], x[MOST], size = 0.0;
   for (int r = 0; r < f.rows; ++r)
     rhs[r] = any();
-  km_partition_solve(p, rhs, x);
+  km_factor_solve(p, rhs, x);
   for (int c = 0; c < f.columns; ++c)
     size = fmax(size, fabs(x[c]));
   for (int k = p->rank; k < p->columns; ++k)
@@ -205,11 +206,10 @@ void check_solution(const km_partition *p) {
 
 /* R is orthonormal, leaves out the independent columns past `count`, and is at right angles to D times the null vectors
  * of the others. */
-static void check_rows(const km_partition *p, int count) {
-  static double R[MOST * MOST];
+static void check_rows(km_factor *p, int count) {
   double x[MOST];
   int n = f.columns;
-  km_partition_row_space(p, f.D, count, R);
+  const double *R = km_factor_row_space(p, count);
   for (int a = 0; a < p->rank; ++a) {
     for (int b = 0; b <= a; ++b) {
       double dot = 0.0;
@@ -222,7 +222,7 @@ static void check_rows(const km_partition *p, int count) {
   }
   for (int k = p->rank; k < p->rank + count; ++k) {
     double size = 0.0;
-    km_partition_null_vector(p, p->column[k], x);
+    km_factor_null_vector(p, p->column[k], x);
     for (int j = 0; j < n; ++j)
       size = fmax(size, fabs(f.D[j] * x[j]));
     for (int a = 0; a < p->rank; ++a) {
@@ -234,13 +234,13 @@ static void check_rows(const km_partition *p, int count) {
   }
 }
 
-void check_all(const km_partition *p, double tolerance) {
+void check_all(km_factor *p, double tolerance) {
   assert_near(p->rank, f.svd_rank, 0.0);
   check_permutation(p->row, p->rows);
   check_permutation(p->column, p->columns);
   double largest = 0.0;
-  for (int k = 0; k < km_partition_freedom(p); ++k) {
-    const double *b = km_partition_b(p, k);
+  for (int k = 0; k < km_factor_freedom(p); ++k) {
+    const double *b = km_factor_b(p, k);
     for (int i = 0; i < p->rank; ++i)
       largest = fmax(largest, fabs(b[i]));
   }
@@ -248,12 +248,12 @@ void check_all(const km_partition *p, double tolerance) {
   check_pivots(p);
   check_directions(p);
   check_null(p, tolerance);
-  check_rows(p, km_partition_freedom(p));
-  check_rows(p, km_partition_freedom(p) / 2);
+  check_rows(p, km_factor_freedom(p));
+  check_rows(p, km_factor_freedom(p) / 2);
   check_solution(p);
 }
 
-void check_evidence(const km_partition *p) {
+void check_evidence(km_factor *p) {
   double first = 0.0, last = 0.0;
   for (int i = 0; i < p->rank; ++i) {
     double size = 1.0 / fabs(p->inverse[i]);

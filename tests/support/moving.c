@@ -1,5 +1,6 @@
 /* Mechanisms with masses and rates, and d'Alembert's principle as a judge of accelerations. */
 #include "support/moving.h"
+#include "linalg/factor_private.h"
 
 #include "kinematics/body_poses.h"
 #include "spatial/inertia.h"
@@ -100,10 +101,10 @@ static double over_substructures(const moving *m, const balance *body, double *r
   double worst = 0.0;
   for (int i = 0; i < mech->topology.substructure_count; ++i) {
     const km_substructure *sub = &mech->substructures[i];
-    const km_partition *p = &m->f.state->partition[i];
+    const km_factor *p = m->f.state->factor[i];
     double *direction = (double *)calloc((size_t)sub->columns, sizeof *direction);
     for (int k = p->rank; k < p->columns; ++k) {
-      km_partition_null_vector(p, p->column[k], direction);
+      km_factor_null_vector(p, p->column[k], direction);
       memset(rates, 0, (size_t)mech->coordinate_count * sizeof *rates);
       for (int n = 0; n < sub->columns; ++n) {
         int c = mech->column_coordinate[sub->column_start + n];

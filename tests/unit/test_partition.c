@@ -13,10 +13,10 @@ static void every_size(void **state) {
         fill(rows, columns, rank);
         reserve();
         run_svd();
-        factor(&f.p);
+        factor(f.p);
         assert_int_equal(f.svd_rank, rank);
-        check_all(&f.p, 1e-10);
-        check_evidence(&f.p);
+        check_all(f.p, 1e-10);
+        check_evidence(f.p);
       }
 }
 
@@ -27,13 +27,13 @@ static void large_ones(void **state) {
     fill(sizes[i][0], sizes[i][1], sizes[i][2]);
     reserve();
     run_svd();
-    factor(&f.p);
-    check_all(&f.p, 1e-9);
-    check_evidence(&f.p);
+    factor(f.p);
+    check_all(f.p, 1e-9);
+    check_evidence(f.p);
     perturb(1e-4);
     run_svd();
-    assert_true(km_partition_refactor(&f.p, f.J));
-    check_all(&f.p, 1e-9);
+    assert_true(km_factor_refactor(f.p, f.J, f.options.basis));
+    check_all(f.p, 1e-9);
   }
 }
 
@@ -48,30 +48,30 @@ static void forced_columns(void **state) {
       f.forced[index_below(columns)] = true;
     reserve();
     run_svd();
-    factor(&f.p);
-    km_partition_factor(&f.q, f.J, rows, columns, NULL, 1e-9);
-    assert_int_equal(f.p.rank, f.q.rank);
-    if (f.p.max_b < 1e3)
-      check_all(&f.p, 1e-9);
+    factor(f.p);
+    km_factor_compute(f.q, f.J, rows, columns, &(km_factor_options){.tolerance = 1e-9});
+    assert_int_equal(f.p->rank, f.q->rank);
+    if (f.p->max_b < 1e3)
+      check_all(f.p, 1e-9);
     static double others[MOST * MOST]; /* columns that aren't forced */
     int n = 0;
     for (int c = 0; c < columns; ++c)
       if (!f.forced[c])
         memcpy(others + rows * n++, f.J + rows * c, (size_t)rows * sizeof(double));
     reserve_one(&f.q, rows, n);
-    km_partition_factor(&f.q, others, rows, n, NULL, 1e-9);
-    assert_int_equal(f.p.forced_dependent, f.q.rank < f.p.rank);
+    km_factor_compute(f.q, others, rows, n, &(km_factor_options){.tolerance = 1e-9});
+    assert_int_equal(f.p->forced_dependent, f.q->rank < f.p->rank);
     int behind = columns;
-    while (behind > f.p.rank && f.forced[f.p.column[behind - 1]])
+    while (behind > f.p->rank && f.forced[f.p->column[behind - 1]])
       --behind;
-    for (int k = f.p.rank; k < behind; ++k)
-      assert_false(f.forced[f.p.column[k]]); /* the forced ones come last */
-    f.p.forced_never_pivot = true;           /* then they are no pivots at all */
-    factor(&f.p);
-    assert_int_equal(f.p.rank, f.q.rank);
-    assert_false(f.p.forced_dependent);
-    for (int k = 0; k < f.p.rank; ++k)
-      assert_false(f.forced[f.p.column[k]]);
+    for (int k = f.p->rank; k < behind; ++k)
+      assert_false(f.forced[f.p->column[k]]); /* the forced ones come last */
+    f.options.forced_never_pivot = true;      /* then they are no pivots at all */
+    factor(f.p);
+    assert_int_equal(f.p->rank, f.q->rank);
+    assert_false(f.p->forced_dependent);
+    for (int k = 0; k < f.p->rank; ++k)
+      assert_false(f.forced[f.p->column[k]]);
   }
 }
 
@@ -85,25 +85,25 @@ static void kept_pivots(void **state) {
     if (i % 3 == 0)
       f.forced[index_below(columns)] = true;
     reserve();
-    factor(&f.p);
-    factor(&f.q);
-    assert_true(km_partition_refactor(&f.p, f.J));
-    for (int k = 0; k < km_partition_freedom(&f.p); ++k) {
-      const double *b = km_partition_b(&f.p, k), *other = km_partition_b(&f.q, k);
-      for (int n = 0; n < f.p.rank; ++n)
+    factor(f.p);
+    factor(f.q);
+    assert_true(km_factor_refactor(f.p, f.J, f.options.basis));
+    for (int k = 0; k < km_factor_freedom(f.p); ++k) {
+      const double *b = km_factor_b(f.p, k), *other = km_factor_b(f.q, k);
+      for (int n = 0; n < f.p->rank; ++n)
         assert_true(b[n] == other[n]);
     }
     perturb(1e-3);
     run_svd();
-    if (!km_partition_refactor(&f.p, f.J))
+    if (!km_factor_refactor(f.p, f.J, f.options.basis))
       continue;
     ++accepted;
-    assert_int_equal(f.p.search_count, 1);
-    factor(&f.q);
-    assert_int_equal(f.q.search_count, 2);
-    assert_int_equal(f.p.rank, f.q.rank);
-    if (f.p.max_b < 1e3)
-      check_all(&f.p, 1e-9);
+    assert_int_equal(f.p->search_count, 1);
+    factor(f.q);
+    assert_int_equal(f.q->search_count, 2);
+    assert_int_equal(f.p->rank, f.q->rank);
+    if (f.p->max_b < 1e3)
+      check_all(f.p, 1e-9);
   }
   assert_true(accepted > 2500);
 }
@@ -115,22 +115,22 @@ static void refused_pivots(void **state) {
   f.rows = 2;
   f.columns = 3;
   reserve();
-  km_partition_factor(&f.p, J, 2, 3, NULL, 1e-9);
-  assert_int_equal(f.p.rank, 2);
-  assert_true(km_partition_refactor(&f.p, J));
+  km_factor_compute(f.p, J, 2, 3, &(km_factor_options){.tolerance = 1e-9});
+  assert_int_equal(f.p->rank, 2);
+  assert_true(km_factor_refactor(f.p, J, f.options.basis));
   J[5] = 1.9;
-  assert_true(km_partition_refactor(&f.p, J));
+  assert_true(km_factor_refactor(f.p, J, f.options.basis));
   J[5] = 2.1;
-  assert_false(km_partition_refactor(&f.p, J));
+  assert_false(km_factor_refactor(f.p, J, f.options.basis));
   J[3] = 0.0;
-  assert_false(km_partition_refactor(&f.p, J));
+  assert_false(km_factor_refactor(f.p, J, f.options.basis));
   J[3] = 0.01, J[5] = 0.005; /* B as before, but the pivot has shrunk */
-  assert_false(km_partition_refactor(&f.p, J));
+  assert_false(km_factor_refactor(f.p, J, f.options.basis));
   double square[] = {2.0, 0.0, 0.0, 1.0}; /* no freedom left: no B to look at */
   reserve_one(&f.p, 2, 2);
-  km_partition_factor(&f.p, square, 2, 2, NULL, 1e-9);
+  km_factor_compute(f.p, square, 2, 2, &(km_factor_options){.tolerance = 1e-9});
   square[3] = 0.0;
-  assert_false(km_partition_refactor(&f.p, square));
+  assert_false(km_factor_refactor(f.p, square, f.options.basis));
 }
 
 static void not_finite(void **state) {
@@ -141,16 +141,16 @@ static void not_finite(void **state) {
     fill(rows, columns, index_below(least(rows, columns) + 1));
     f.forced[index_below(columns)] = i % 2;
     reserve();
-    factor(&f.p);
+    factor(f.p);
     int count = i % 5 ? 1 + index_below(4) : rows * columns;
     for (int k = 0; k < count; ++k)
       f.J[i % 5 ? index_below(rows * columns) : k] = bad[i % 4];
-    assert_false(km_partition_refactor(&f.p, f.J));
-    factor(&f.p);
-    assert_in_range(f.p.rank, 0, least(rows, columns));
-    check_permutation(f.p.row, rows);
-    check_permutation(f.p.column, columns);
-    assert_false(km_partition_refactor(&f.p, f.J));
+    assert_false(km_factor_refactor(f.p, f.J, f.options.basis));
+    factor(f.p);
+    assert_in_range(f.p->rank, 0, least(rows, columns));
+    check_permutation(f.p->row, rows);
+    check_permutation(f.p->column, columns);
+    assert_false(km_factor_refactor(f.p, f.J, f.options.basis));
   }
 }
 
@@ -164,10 +164,10 @@ static void extreme_sizes(void **state) {
     for (int k = 0; k < rows * columns; ++k)
       f.J[k] *= factor_of;
     reserve();
-    factor(&f.p);
-    assert_in_range(f.p.rank, 0, i % 3 == 2 ? 0 : least(rows, columns));
+    factor(f.p);
+    assert_in_range(f.p->rank, 0, i % 3 == 2 ? 0 : least(rows, columns));
     if (i % 3 == 1)
-      assert_int_equal(f.p.rank, least(rows, columns));
+      assert_int_equal(f.p->rank, least(rows, columns));
   }
 }
 
@@ -180,11 +180,11 @@ static void ties(void **state) {
       for (int r = 0; r < n; ++r)
         f.J[c * n + r] = r == c ? 1.0 : 0.0;
     reserve();
-    factor(&f.p);
-    assert_int_equal(f.p.rank, n);
+    factor(f.p);
+    assert_int_equal(f.p->rank, n);
     for (int i = 0; i < n; ++i) {
-      assert_int_equal(f.p.row[i], i);
-      assert_int_equal(f.p.column[i], i);
+      assert_int_equal(f.p->row[i], i);
+      assert_int_equal(f.p->column[i], i);
     }
   }
 }
@@ -199,16 +199,16 @@ static void near_ties(void **state) {
         f.J[c * n + r] = r == c ? 1.01 + 0.1 * c / n : 0.0;
     reserve();
     for (int nearly = 0; nearly < 2; ++nearly) {
-      f.p.ties_by_position = nearly;
-      factor(&f.p);
-      assert_int_equal(f.p.rank, n);
+      f.options.ties_by_position = nearly;
+      factor(f.p);
+      assert_int_equal(f.p->rank, n);
       for (int i = 0; i < n; ++i) {
         int place = nearly ? i : n - 1 - i;
-        assert_int_equal(f.p.row[i], place);
-        assert_int_equal(f.p.column[i], place);
+        assert_int_equal(f.p->row[i], place);
+        assert_int_equal(f.p->column[i], place);
       }
-      assert_true(f.p.first_pivot == f.J[nearly ? 0 : n * n - 1]);
-      assert_true(f.p.smallest_pivot == f.J[0]);
+      assert_true(f.p->first_pivot == f.J[nearly ? 0 : n * n - 1]);
+      assert_true(f.p->smallest_pivot == f.J[0]);
     }
   }
 }
@@ -220,10 +220,10 @@ static void empty(void **state) {
     for (int rows = columns ? 0 : 3; rows <= (columns ? 0 : 30); rows += 9) {
       fill(rows, columns, 0);
       reserve();
-      factor(&f.p);
-      assert_int_equal(f.p.rank, 0);
-      assert_true(km_partition_refactor(&f.p, f.J));
-      km_partition_null_space(&f.p, f.D, columns, f.Z);
+      factor(f.p);
+      assert_int_equal(f.p->rank, 0);
+      assert_true(km_factor_refactor(f.p, f.J, f.options.basis));
+      memcpy(f.Z, km_factor_null_space(f.p, columns), (size_t)(columns * columns) * sizeof *f.Z);
       km_mobility_numbers(f.Z, columns, columns, f.numbers);
       for (int c = 0; c < columns; ++c)
         assert_near(f.numbers[c], 1.0, 1e-15);
@@ -248,26 +248,26 @@ static void locked_columns(void **state) {
     f.forced[driver] = i % 2 && !locked[driver];
     reserve();
     run_svd(); /* matrix with empty columns: each has a freedom of its own */
-    f.p.locked = locked;
-    factor(&f.p);
-    assert_int_equal(f.p.rank, f.svd_rank);
-    assert_int_equal(f.p.locked_count, count);
-    assert_int_equal(km_partition_freedom(&f.p), columns - f.p.rank - count);
-    check_permutation(f.p.column, columns);
-    check_pivots(&f.p);
+    f.options.locked = locked;
+    factor(f.p);
+    assert_int_equal(f.p->rank, f.svd_rank);
+    assert_int_equal(f.p->locked_count, count);
+    assert_int_equal(km_factor_freedom(f.p), columns - f.p->rank - count);
+    check_permutation(f.p->column, columns);
+    check_pivots(f.p);
     for (int k = 0; k < columns; ++k) /* last of all, the driver before them */
-      assert_int_equal(locked[f.p.column[k]], k >= columns - count);
-    if (f.forced[driver] && !f.p.forced_dependent)
-      assert_int_equal(f.p.column[columns - count - 1], driver);
+      assert_int_equal(locked[f.p->column[k]], k >= columns - count);
+    if (f.forced[driver] && !f.p->forced_dependent)
+      assert_int_equal(f.p->column[columns - count - 1], driver);
     for (int c = 0; c < columns; ++c)
       f.svd_numbers[c] -= locked[c]; /* a coordinate that moves alone has the number 1 */
-    check_null(&f.p, 1e-9);
-    check_solution(&f.p);
-    km_partition_copy_pivots(&f.q, &f.p);
-    assert_int_equal(km_partition_freedom(&f.q), km_partition_freedom(&f.p));
-    f.p.locked = NULL;
-    factor(&f.p);
-    assert_int_equal(km_partition_freedom(&f.p), columns - f.p.rank);
+    check_null(f.p, 1e-9);
+    check_solution(f.p);
+    km_factor_copy_pivots(f.q, f.p);
+    assert_int_equal(km_factor_freedom(f.q), km_factor_freedom(f.p));
+    f.options.locked = NULL;
+    factor(f.p);
+    assert_int_equal(km_factor_freedom(f.p), columns - f.p->rank);
   }
 }
 

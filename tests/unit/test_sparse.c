@@ -40,7 +40,8 @@ static void fill_band(int rows, int columns) {
 
 static void reserve_sparse(void) {
   reserve();
-  assert_true(km_partition_reserve_sparse(&f.p, f.rows, f.columns, start, row, &f.arena));
+  f.p = km_factor_create_sparse(f.rows, f.columns, start, row, f.D, &f.arena);
+  f.options = (km_factor_options){.tolerance = 1e-9, .forced = f.forced};
 }
 
 /* Any entries where `has` says so. */
@@ -73,18 +74,18 @@ static void check_copy(void) {
   memset(single, 0, sizeof single);
   for (int c = 0; c < f.columns; ++c)
     single[start[c]] = 1.0;
-  assert_true(km_partition_reserve_like(&f.q, &f.p, f.rows, f.columns, &f.arena));
-  km_partition_factor(&f.q, single, f.rows, f.columns, NULL, 1e-9);
-  km_partition_copy_pivots(&f.q, &f.p);
+  f.q = km_factor_create_like(f.p, &f.arena);
+  km_factor_compute(f.q, single, f.rows, f.columns, &(km_factor_options){.tolerance = 1e-9});
+  km_factor_copy_pivots(f.q, f.p);
   for (int k = 0; k < f.rows * f.columns; ++k)
     f.J[k] *= 1.0 + 1e-7 * any();
-  f.q.smallest_pivot = f.p.smallest_pivot;
-  f.q.max_b_at_search = f.p.max_b_at_search;
-  bool kept = km_partition_refactor(&f.p, stored(&f.p));
-  assert_int_equal(km_partition_refactor(&f.q, stored(&f.q)), kept);
-  for (int k = 0; k < km_partition_freedom(&f.p); ++k) {
-    const double *b = km_partition_b(&f.p, k), *other = km_partition_b(&f.q, k);
-    for (int n = 0; n < f.p.rank; ++n)
+  f.q->smallest_pivot = f.p->smallest_pivot;
+  f.q->max_b_at_search = f.p->max_b_at_search;
+  bool kept = km_factor_refactor(f.p, stored(f.p), f.options.basis);
+  assert_int_equal(km_factor_refactor(f.q, stored(f.q), f.options.basis), kept);
+  for (int k = 0; k < km_factor_freedom(f.p); ++k) {
+    const double *b = km_factor_b(f.p, k), *other = km_factor_b(f.q, k);
+    for (int n = 0; n < f.p->rank; ++n)
       assert_true(b[n] == other[n]);
   }
 }
@@ -102,10 +103,10 @@ static void check_rows(const int *list, int count, const double *x, const double
 /* Mobility numbers by the rows alone are those by Z, which is made. */
 static void check_numbers(double tolerance) {
   double numbers[MOST], by_rows[MOST];
-  int freedom = km_partition_freedom(&f.p);
-  km_partition_null_space(&f.p, f.D, freedom, f.Z);
+  int freedom = km_factor_freedom(f.p);
+  memcpy(f.Z, km_factor_null_space(f.p, freedom), (size_t)(freedom * f.columns) * sizeof *f.Z);
   km_mobility_numbers(f.Z, f.columns, freedom, numbers);
-  assert_true(km_partition_mobility_numbers(&f.p, stored(&f.p), f.D, by_rows));
+  assert_true(km_factor_mobility_numbers(f.p, stored(f.p), by_rows));
   for (int c = 0; c < f.columns; ++c)
     assert_near(by_rows[c], numbers[c], tolerance);
 }
@@ -118,14 +119,14 @@ static void against_the_dense_engine(void **state) {
     if (i % 2)
       f.forced[index_below(f.columns)] = true;
     run_svd();
-    factor(&f.p);
-    km_partition_factor(&f.q, f.J, f.rows, f.columns, f.forced, 1e-9);
-    assert_near(f.p.rank, f.q.rank, 0.0);
-    assert_int_equal(f.p.forced_dependent, f.q.forced_dependent);
-    if (f.p.max_b < 1e3)
-      check_all(&f.p, 1e-9);
+    factor(f.p);
+    km_factor_compute(f.q, f.J, f.rows, f.columns, &f.options);
+    assert_near(f.p->rank, f.q->rank, 0.0);
+    assert_int_equal(f.p->forced_dependent, f.q->forced_dependent);
+    if (f.p->max_b < 1e3)
+      check_all(f.p, 1e-9);
     if (!(i % 2)) /* as small as complete pivoting keeps it, or nearly */
-      assert_true(f.p.max_b <= 2.0 * fmax(f.q.max_b, 1.0));
+      assert_true(f.p->max_b <= 2.0 * fmax(f.q->max_b, 1.0));
     check_copy();
   }
 }
@@ -145,11 +146,11 @@ static void much_fill(void **state) {
   for (int i = 0; i < 30; ++i) {
     open_where(ROWS, ROWS + index_below(15), is_chosen);
     run_svd();
-    factor(&f.p);
-    assert_int_equal(f.p.rank, f.svd_rank);
-    if (f.p.max_b > 1e3)
+    factor(f.p);
+    assert_int_equal(f.p->rank, f.svd_rank);
+    if (f.p->max_b > 1e3)
       continue;
-    check_all(&f.p, 1e-9);
+    check_all(f.p, 1e-9);
     ++checked;
   }
   assert_true(checked > 15);
@@ -157,7 +158,7 @@ static void much_fill(void **state) {
 
 /* Some entries of the pattern are 0 at this pose, and others at the next one. */
 static void fill_zeros(double share, bool only_zeros) {
-  const km_sparse *s = f.p.sparse;
+  const km_sparse *s = f.p->sparse;
   for (int c = 0; c < f.columns; ++c)
     for (int i = s->start[c]; i < s->start[c + 1]; ++i) {
       double *entry = &f.J[c * f.rows + s->row[i]];
@@ -168,9 +169,9 @@ static void fill_zeros(double share, bool only_zeros) {
 }
 
 /* J_pd B = J_pi in the primary rows. */
-static void check_primary_rows(const km_partition *p) {
+static void check_primary_rows(const km_factor *p) {
   for (int k = p->rank; k < p->columns; ++k) {
-    const double *b = km_partition_b(p, k - p->rank);
+    const double *b = km_factor_b(p, k - p->rank);
     for (int i = 0; i < p->rank; ++i) {
       double sum = f.J[p->column[k] * f.rows + p->row[i]];
       for (int n = 0; n < p->rank; ++n)
@@ -180,31 +181,39 @@ static void check_primary_rows(const km_partition *p) {
   }
 }
 
+/* True if an entry that the singletons assume to be 0 is not. */
+static bool singletons_fill(void) {
+  const km_sparse *s = f.p->sparse;
+  const double *values = stored(f.p);
+  bool fills = false;
+  for (int i = 0; i < s->singleton_zero_count; ++i)
+    fills = fills || values[s->singleton_zero[i]] != 0.0;
+  return fills;
+}
+
 static void zeros_that_fill(void **state) {
   (void)state;
-  int kept = 0, refused = 0, whole = 0, singles = 0;
+  int kept = 0, whole = 0, singles = 0;
   for (int i = 0; i < 400; ++i) {
     open_band(50, 20, 60);
     fill_zeros(0.6, false);
     run_svd();
-    factor(&f.p);
-    singles += f.p.sparse->singleton_count;
-    assert_near(f.p.rank, f.svd_rank, 0.0);
-    if (f.p.max_b < 1e3)
-      check_all(&f.p, 1e-9);
+    factor(f.p);
+    singles += f.p->sparse->singleton_count;
+    assert_near(f.p->rank, f.svd_rank, 0.0);
+    if (f.p->max_b < 1e3)
+      check_all(f.p, 1e-9);
     check_copy();
     fill_zeros(0.01, true);
-    bool keeps = km_partition_refactor(&f.p, stored(&f.p));
-    kept += keeps;
-    refused += !keeps;
-    if (!keeps && km_partition_refactor_full_pattern(&f.p, stored(&f.p)))
-      ++whole;
-    else if (!keeps)
+    bool fills = singletons_fill();
+    if (!km_factor_refactor(f.p, stored(f.p), f.options.basis))
       continue;
-    if (f.p.max_b < 1e3)
-      check_primary_rows(&f.p);
+    kept += !fills;
+    whole += fills;
+    if (f.p->max_b < 1e3)
+      check_primary_rows(f.p);
   }
-  assert_true(kept > 20 && refused > 20 && whole > 20 && singles > 2000);
+  assert_true(kept > 20 && whole > 20 && singles > 2000);
 }
 
 /* J n = 0 for every sparse null vector; their number agrees with the singular values. */
@@ -216,15 +225,15 @@ static void null_vectors_by_their_entries(void **state) {
     open_band(50, 20, 60);
     fill_zeros(0.5, false);
     run_svd();
-    f.p.unrestricted_basis = true;
-    factor(&f.p);
-    assert_near(km_partition_freedom(&f.p), f.columns - f.svd_rank, 0.0);
-    for (int k = 0; k < km_partition_freedom(&f.p); ++k) {
-      int count = km_partition_null_entries(&f.p, k, column, value), units = 0;
+    f.options.basis = KM_BASIS_ENTRIES;
+    factor(f.p);
+    assert_near(km_factor_freedom(f.p), f.columns - f.svd_rank, 0.0);
+    for (int k = 0; k < km_factor_freedom(f.p); ++k) {
+      int count = km_factor_null_entries(f.p, k, column, value), units = 0;
       double residual[MOST] = {0}, largest = 0.0;
       for (int n = 0; n < count; ++n) {
         largest = fmax(largest, fabs(value[n]));
-        units += column[n] == f.p.column[f.p.rank + k] && value[n] == 1.0;
+        units += column[n] == f.p->column[f.p->rank + k] && value[n] == 1.0;
         for (int r = 0; r < f.rows; ++r)
           residual[r] += f.J[column[n] * f.rows + r] * value[n];
       }
@@ -239,7 +248,7 @@ static void null_vectors_by_their_entries(void **state) {
 static km_normal_equations *kept;
 
 static void keep_normal(int i) {
-  km_partition_set_normal_equations(&f.p, i % 2 ? &kept : NULL, f.D);
+  km_factor_share_normal_equations(f.p, i % 2 ? &kept : NULL);
 }
 
 static void free_normal(int i) {
@@ -254,16 +263,16 @@ static void steps_without_null_vectors(void **state) {
   double x[MOST], left[MOST], work[MOST];
   for (int i = 0; i < 100; ++i) {
     open_band(20, 30, 50);
-    factor(&f.p);
-    int freedom = km_partition_freedom(&f.p);
-    if (freedom == 0 || f.p.max_b > 1e3)
+    factor(f.p);
+    int freedom = km_factor_freedom(f.p);
+    if (freedom == 0 || f.p->max_b > 1e3)
       continue;
-    km_partition_null_space(&f.p, f.D, freedom, f.Z);
+    memcpy(f.Z, km_factor_null_space(f.p, freedom), (size_t)(freedom * f.columns) * sizeof *f.Z);
     for (int c = 0; c < f.columns; ++c)
       x[c] = any();
     memcpy(left, x, sizeof left);
     keep_normal(i);
-    assert_true(km_partition_remove_null_space(&f.p, stored(&f.p), f.D, freedom, left, work));
+    assert_true(km_sparse_remove_null_space(f.p, stored(f.p), freedom, left, work));
     free_normal(i);
     for (int k = 0; k < freedom; ++k) {
       double along = 0.0;
@@ -283,22 +292,22 @@ static void by_rows_alone(void **state) {
   double rhs[MOST], x[MOST], least[MOST], work[MOST];
   for (int i = 0; i < 100; ++i) {
     open_band(20, 30, 50);
-    factor(&f.p);
-    int freedom = km_partition_freedom(&f.p), rank = f.p.rank;
-    if (freedom == 0 || f.p.max_b > 1e3)
+    factor(f.p);
+    int freedom = km_factor_freedom(f.p), rank = f.p->rank;
+    if (freedom == 0 || f.p->max_b > 1e3)
       continue;
     check_numbers(1e-10);
     for (int r = 0; r < f.rows; ++r)
       rhs[r] = any();
-    km_partition_solve(&f.p, rhs, x);
+    km_factor_solve(f.p, rhs, x);
     keep_normal(i);
-    assert_true(km_partition_remove_null_space(&f.p, stored(&f.p), f.D, freedom, x, work));
-    f.p.rows_only = true;
-    factor(&f.p);
-    assert_int_equal(f.p.rank, rank);
-    assert_true(km_partition_minimum_norm(&f.p, stored(&f.p), f.D, freedom, rhs, least));
+    assert_true(km_sparse_remove_null_space(f.p, stored(f.p), freedom, x, work));
+    f.options.basis = KM_BASIS_NONE;
+    factor(f.p);
+    assert_int_equal(f.p->rank, rank);
+    assert_true(km_sparse_minimum_norm(f.p, stored(f.p), freedom, rhs, least));
     free_normal(i);
-    check_rows(f.p.row, rank, least, rhs, 1e-9); /* the primary rows may be others: the solution of these */
+    check_rows(f.p->row, rank, least, rhs, 1e-9); /* the primary rows may be others: the solution of these */
     for (int k = 0; k < freedom; ++k) {
       double along = 0.0;
       for (int c = 0; c < f.columns; ++c)
@@ -338,15 +347,15 @@ static void rows_that_hardly_differ(void **state) {
     double apart = pow(10.0, -i % 8), longest = 0.0;
     fill_twins(20 + 2 * index_below(10), apart);
     reserve_sparse();
-    f.p.rows_only = true;
-    factor(&f.p);
-    int freedom = km_partition_freedom(&f.p);
-    assert_int_equal(f.p.rank, f.rows);
+    f.options.basis = KM_BASIS_NONE;
+    factor(f.p);
+    int freedom = km_factor_freedom(f.p);
+    assert_int_equal(f.p->rank, f.rows);
     for (int r = 0; r < f.rows; ++r)
       rhs[r] = any();
-    assert_true(km_partition_minimum_norm(&f.p, stored(&f.p), f.D, freedom, rhs, by_qr));
+    assert_true(km_sparse_minimum_norm(f.p, stored(f.p), freedom, rhs, by_qr));
     keep_normal(1);
-    assert_true(km_partition_minimum_norm(&f.p, stored(&f.p), f.D, freedom, rhs, least));
+    assert_true(km_sparse_minimum_norm(f.p, stored(f.p), freedom, rhs, least));
     free_normal(1);
     for (int c = 0; c < f.columns; ++c)
       longest = fmax(longest, fabs(by_qr[c]));
@@ -370,16 +379,18 @@ static void rows_that_stand(void **state) {
     reserve_sparse();
     keep_normal(1);
     run_svd();
-    f.p.rows_only = f.p.forced_never_pivot = true;
-    factor(&f.p);
-    assert_int_equal(f.p.sparse->has_normal_only, !depends);
-    assert_int_equal(f.p.rank, f.rows - depends);
-    assert_int_equal(f.svd_rank, f.p.rank);
-    assert_int_equal(f.p.column[f.columns - 1], i % f.columns);
-    assert_true(depends || (f.p.smallest_pivot > 0.0 && f.p.smallest_pivot <= f.p.scale));
-    assert_true(km_partition_refactor(&f.p, stored(&f.p)));
-    f.p.rows_only = false;
-    assert_int_equal(km_partition_refactor(&f.p, stored(&f.p)), depends); /* there are no pivots to replay */
+    f.options.basis = KM_BASIS_NONE;
+    f.options.forced_never_pivot = true;
+    factor(f.p);
+    assert_int_equal(f.p->sparse->has_normal_only, !depends);
+    assert_int_equal(f.p->rank, f.rows - depends);
+    assert_int_equal(f.svd_rank, f.p->rank);
+    assert_int_equal(f.p->column[f.columns - 1], i % f.columns);
+    assert_true(depends || (f.p->smallest_pivot > 0.0 && f.p->smallest_pivot <= f.p->scale));
+    assert_true(km_factor_refactor(f.p, stored(f.p), f.options.basis));
+    f.options.basis = KM_BASIS_SHORT;
+    assert_int_equal(km_factor_refactor(f.p, stored(f.p), f.options.basis),
+                     depends); /* there are no pivots to replay */
     free_normal(1);
   }
 }
@@ -414,23 +425,23 @@ static void rows_where_no_pivot_tells(void **state) {
     fill_chain(40 + index_below(15), i % 4);
     reserve_sparse();
     run_svd();
-    f.p.rows_only = true;
-    factor(&f.p);
-    assert_near(f.p.rank, f.svd_rank, 0.0);
+    f.options.basis = KM_BASIS_NONE;
+    factor(f.p);
+    assert_near(f.p->rank, f.svd_rank, 0.0);
     for (int r = 0; r < f.rows; ++r)
       rhs[r] = any();
     keep_normal(i);
-    assert_true(km_partition_minimum_norm(&f.p, stored(&f.p), f.D, km_partition_freedom(&f.p), rhs, least));
+    assert_true(km_sparse_minimum_norm(f.p, stored(f.p), km_factor_freedom(f.p), rhs, least));
     free_normal(i);
     double longest = 1.0;
     for (int c = 0; c < f.columns; ++c)
       longest = fmax(longest, fabs(least[c]));
-    check_rows(f.p.row, f.p.rank, least, rhs, 1e-13 * longest); /* rounding of what nearly dependent rows need */
-    f.p.sparse->postpones_small = false;
-    memset(f.p.sparse->is_postponed, 0, (size_t)f.columns * sizeof *f.p.sparse->is_postponed);
-    km_sparse_eliminate(&f.p, stored(&f.p), NULL, 1e-9 * f.p.scale);
-    assert_int_equal(km_sparse_hidden_row(&f.p, stored(&f.p), NULL, 1e-9 * f.p.scale) >= 0, f.svd_rank < f.p.rank);
-    hidden += f.svd_rank < f.p.rank;
+    check_rows(f.p->row, f.p->rank, least, rhs, 1e-13 * longest); /* rounding of what nearly dependent rows need */
+    f.p->sparse->postpones_small = false;
+    memset(f.p->sparse->is_postponed, 0, (size_t)f.columns * sizeof *f.p->sparse->is_postponed);
+    km_sparse_eliminate(f.p, stored(f.p), NULL, 1e-9 * f.p->scale);
+    assert_int_equal(km_sparse_hidden_row(f.p, stored(f.p), NULL, 1e-9 * f.p->scale) >= 0, f.svd_rank < f.p->rank);
+    hidden += f.svd_rank < f.p->rank;
   }
   assert_true(hidden >= 15);
 }
@@ -441,27 +452,27 @@ static void nothing_is_left_behind(void **state) {
   (void)state;
   for (int i = 0; i < 100; ++i) {
     open_band(20, 30, 50);
-    f.p.rows_only = true;
-    factor(&f.p);
+    f.options.basis = KM_BASIS_NONE;
+    factor(f.p);
     for (int pass = 0; pass < 2; ++pass) {
       for (int k = 0; k < f.rows * f.columns; ++k)
         f.J[k] *= 1.0 + 1e-3 * any();
-      km_partition_refactor(&f.p, stored(&f.p));
+      km_factor_refactor(f.p, stored(f.p), f.options.basis);
       for (int r = 0; r < f.rows; ++r)
-        assert_true(f.p.sparse->x[r] == 0.0);
+        assert_true(f.p->sparse->x[r] == 0.0);
     }
     fill_zeros(0.8, false);
-    f.p.rows_only = false;
-    factor(&f.p);
-    assert_true(km_partition_reserve_like(&f.q, &f.p, f.rows, f.columns, &f.arena));
-    factor(&f.q);
-    assert_int_equal(f.p.rank, f.q.rank);
-    assert_memory_equal(f.p.row, f.q.row, (size_t)f.rows * sizeof *f.p.row);
-    assert_memory_equal(f.p.column, f.q.column, (size_t)f.columns * sizeof *f.p.column);
-    assert_memory_equal(f.p.inverse, f.q.inverse, (size_t)f.p.rank * sizeof *f.p.inverse);
-    for (int k = 0; k < km_partition_freedom(&f.p); ++k)
-      for (int n = 0; n < f.p.rank; ++n)
-        assert_true(km_partition_b(&f.p, k)[n] == km_partition_b(&f.q, k)[n]);
+    f.options.basis = KM_BASIS_SHORT;
+    factor(f.p);
+    f.q = km_factor_create_like(f.p, &f.arena);
+    factor(f.q);
+    assert_int_equal(f.p->rank, f.q->rank);
+    assert_memory_equal(f.p->row, f.q->row, (size_t)f.rows * sizeof *f.p->row);
+    assert_memory_equal(f.p->column, f.q->column, (size_t)f.columns * sizeof *f.p->column);
+    assert_memory_equal(f.p->inverse, f.q->inverse, (size_t)f.p->rank * sizeof *f.p->inverse);
+    for (int k = 0; k < km_factor_freedom(f.p); ++k)
+      for (int n = 0; n < f.p->rank; ++n)
+        assert_true(km_factor_b(f.p, k)[n] == km_factor_b(f.q, k)[n]);
   }
 }
 
@@ -475,12 +486,12 @@ static void columns_where_no_pivot_tells(void **state) {
     fill_chain(many ? 30 : 40 + index_below(15), many ? KM_MANY_VECTORS + 1 : i % 8);
     reserve_sparse();
     run_svd();
-    factor(&f.p);
-    assert_int_equal(f.p.rank, f.svd_rank);
-    check_primary_rows(&f.p);
-    assert_true(f.p.max_b <= km_max_good_b);
-    for (int k = f.p.rank; k < f.columns && f.svd_rank == f.rows; ++k)
-      chosen += f.p.column[k] < f.rows;
+    factor(f.p);
+    assert_int_equal(f.p->rank, f.svd_rank);
+    check_primary_rows(f.p);
+    assert_true(f.p->max_b <= km_max_good_b);
+    for (int k = f.p->rank; k < f.columns && f.svd_rank == f.rows; ++k)
+      chosen += f.p->column[k] < f.rows;
   }
   assert_true(chosen >= 15);
 }
@@ -500,21 +511,21 @@ static void crowded_rows(void **state) {
   for (int i = 0; i < 40; ++i) {
     int pairs = 20 + index_below(15);
     open_where(pairs, SHARED + 2 * pairs, is_shared_or_own);
-    factor(&f.p);
-    int freedom = km_partition_freedom(&f.p);
+    factor(f.p);
+    int freedom = km_factor_freedom(f.p);
     assert_int_equal(freedom, f.columns - f.rows);
     check_numbers(1e-11);
     for (int r = 0; r < f.rows; ++r)
       rhs[r] = any();
     keep_normal(i);
     for (int count = freedom - 1; count <= freedom; ++count) {
-      assert_true(km_partition_minimum_norm(&f.p, stored(&f.p), f.D, count, rhs, least));
-      check_rows(f.p.row, f.p.rank, least, rhs, 1e-9); /* all of them */
+      assert_true(km_sparse_minimum_norm(f.p, stored(f.p), count, rhs, least));
+      check_rows(f.p->row, f.p->rank, least, rhs, 1e-9); /* all of them */
       memcpy(step, least, sizeof step);
-      assert_true(km_partition_remove_null_space(&f.p, stored(&f.p), f.D, count, step, work));
+      assert_true(km_sparse_remove_null_space(f.p, stored(f.p), count, step, work));
       for (int c = 0; c < f.columns; ++c)
         assert_near(step[c], least[c], 1e-9);
-      assert_true(count == freedom || least[f.p.column[f.p.rank + count]] == 0.0);
+      assert_true(count == freedom || least[f.p->column[f.p->rank + count]] == 0.0);
     }
     free_normal(i);
   }

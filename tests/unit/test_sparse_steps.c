@@ -24,10 +24,9 @@ static void fill_band(void) {
   start[COLUMNS] = entries;
 }
 
-static void factor_band(km_partition *p, bool unwatched) {
-  p->accepts_any_basis = unwatched;
-  km_partition_factor(p, values, ROWS, COLUMNS, NULL, 1e-9);
-  p->accepts_any_basis = false;
+static void factor_band(km_factor *p, bool unwatched) {
+  km_factor_compute(p, values, ROWS, COLUMNS,
+                    &(km_factor_options){.tolerance = 1e-9, .basis = unwatched ? KM_BASIS_ANY : KM_BASIS_SHORT});
 }
 
 /* Without independent columns, rank, primary rows and minimum-norm steps are equal; columns requested afterwards are
@@ -38,27 +37,26 @@ static void columns_that_nobody_asks_for(void **state) {
   int others = 0;
   for (int i = 0; i < 20; ++i) {
     km_arena arena = {0};
-    km_partition p, q;
     km_normal_equations *kept = NULL;
     fill_band();
-    assert_true(km_partition_reserve_sparse(&p, ROWS, COLUMNS, start, row, &arena));
-    km_partition_set_normal_equations(&p, &kept, weight);
-    assert_true(km_partition_reserve_like(&q, &p, ROWS, COLUMNS, &arena));
-    factor_band(&p, true);
-    factor_band(&q, false);
-    int freedom = km_partition_freedom(&p);
+    km_factor *p = km_factor_create_sparse(ROWS, COLUMNS, start, row, weight, &arena);
+    km_factor_share_normal_equations(p, &kept);
+    km_factor *q = km_factor_create_like(p, &arena);
+    factor_band(p, true);
+    factor_band(q, false);
+    int freedom = km_factor_freedom(p);
     assert_true(freedom > KM_MANY_VECTORS);
-    assert_int_equal(p.rank, q.rank);
-    others += memcmp(p.column, q.column, sizeof *p.column * COLUMNS) != 0;
+    assert_int_equal(p->rank, q->rank);
+    others += memcmp(p->column, q->column, sizeof *p->column * COLUMNS) != 0;
     for (int r = 0; r < ROWS; ++r)
       rhs[r] = any();
-    assert_true(km_partition_minimum_norm(&p, values, weight, freedom, rhs, least));
-    assert_true(km_partition_minimum_norm(&q, values, weight, freedom, rhs, other));
+    assert_true(km_sparse_minimum_norm(p, values, freedom, rhs, least));
+    assert_true(km_sparse_minimum_norm(q, values, freedom, rhs, other));
     for (int c = 0; c < COLUMNS; ++c)
       assert_near(least[c], other[c], 1e-12);
-    factor_band(&p, false);
-    assert_memory_equal(p.column, q.column, sizeof *p.column * COLUMNS);
-    assert_true(p.max_b == q.max_b);
+    factor_band(p, false);
+    assert_memory_equal(p->column, q->column, sizeof *p->column * COLUMNS);
+    assert_true(p->max_b == q->max_b);
     km_normal_equations_free(kept);
     km_arena_free(&arena);
   }
@@ -93,17 +91,18 @@ static void rows_that_lean_on_many(void **state) {
     int rows = 30 + index_below(30);
     fill_sum(rows, distance[i % 4]);
     reserve();
-    assert_true(km_partition_reserve_sparse(&f.p, rows, rows, start, row, &f.arena));
-    f.p.rows_only = i % 8 < 4;
-    factor(&f.p);
-    km_partition_factor(&f.q, f.J, rows, rows, NULL, 1e-9);
-    assert_int_equal(f.q.rank, rows - i % 2);
-    assert_int_equal(f.p.rank, f.q.rank);
-    f.p.sparse->postpones_small = false;
-    memset(f.p.sparse->is_postponed, 0, (size_t)rows * sizeof *f.p.sparse->is_postponed);
-    km_sparse_eliminate(&f.p, stored(&f.p), NULL, 1e-14);
-    assert_int_equal(f.p.rank, rows);
-    assert_int_equal(km_sparse_hidden_row(&f.p, stored(&f.p), NULL, 1e-9) >= 0, i % 2);
+    f.p = km_factor_create_sparse(rows, rows, start, row, f.D, &f.arena);
+    f.options = (km_factor_options){.tolerance = 1e-9, .forced = f.forced};
+    f.options.basis = i % 8 < 4 ? KM_BASIS_NONE : KM_BASIS_SHORT;
+    factor(f.p);
+    km_factor_compute(f.q, f.J, rows, rows, &(km_factor_options){.tolerance = 1e-9});
+    assert_int_equal(f.q->rank, rows - i % 2);
+    assert_int_equal(f.p->rank, f.q->rank);
+    f.p->sparse->postpones_small = false;
+    memset(f.p->sparse->is_postponed, 0, (size_t)rows * sizeof *f.p->sparse->is_postponed);
+    km_sparse_eliminate(f.p, stored(f.p), NULL, 1e-14);
+    assert_int_equal(f.p->rank, rows);
+    assert_int_equal(km_sparse_hidden_row(f.p, stored(f.p), NULL, 1e-9) >= 0, i % 2);
   }
 }
 

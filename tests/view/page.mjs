@@ -233,6 +233,38 @@ async function arm() {
   });
 }
 
+/** The map of a five-bar: a click goes to the drivers there, on the sheet that is shown, and loops stay closed. */
+async function map() {
+  await on(join(models, "five_bar.json"), {}, async (page) => {
+    await until(page, () => kview.store.pose);
+    await page.getByRole("button", { name: "Find the configurations over both drivers" }).click();
+    const picture = page.locator("canvas.map");
+    await picture.waitFor();
+    await picture.scrollIntoViewIfNeeded();
+    await page.waitForTimeout(300); // the fine map follows the first one
+    const pose = () => page.evaluate(() => ({ q: Array.from(kview.store.pose.q), residual: kview.store.pose.residual }));
+    const box = await picture.boundingBox(), first = await pose();
+    const click = (x, y) => page.mouse.click(box.x + x * box.width, box.y + y * box.height);
+    await click(0.6, 0.45); // A from -pi to pi across, E upwards
+    await until(page, (q) => kview.store.pose.q[0] !== q, first.q[0]);
+    await page.waitForTimeout(100);
+    const at = await pose();
+    check(Math.abs(at.q[0] - 0.2 * Math.PI) < 0.12 && Math.abs(at.q[4] - 0.1 * Math.PI) < 0.12, `a click into the map leads to ${at.q}`);
+    check(at.residual <= 1e-9, "the loops are open after a click into the map");
+    await page.getByRole("button", { name: "sheet 2" }).click();
+    await click(0.6, 0.45);
+    await until(page, (q) => Math.abs(kview.store.pose.q[2] - q) > 0.5, at.q[2]);
+    check((await pose()).residual <= 1e-9, "the loops are open on the other sheet");
+    check(Math.sign((await pose()).q[2]) !== Math.sign(at.q[2]), "the other sheet isn't the other mode");
+    await until(page, () => [...document.querySelectorAll('.chip[aria-pressed="true"]')].some((chip) => chip.textContent === "sheet 2"));
+    await picture.focus();
+    const before = await pose();
+    await page.keyboard.press("ArrowRight");
+    await until(page, (q) => kview.store.pose.q[0] > q, before.q[0]);
+    if (pictures) await page.screenshot({ path: join(pictures, "kview.map.png") });
+  });
+}
+
 /** A file that changes is read again; one that is wrong is told with its place. */
 async function reload() {
   const file = join(folder, "fourbar.json"), text = readFileSync(join(models, "fourbar.json"), "utf8");
@@ -352,7 +384,7 @@ async function guide() {
   });
 }
 
-const parts = { toggles, belongs, kept, design, reload, bricard, names, arm, sizes, everyModel };
+const parts = { toggles, belongs, kept, design, reload, bricard, names, arm, map, sizes, everyModel };
 if (which === "guide") await guide();
 else if (which in parts) await parts[which]();
 else await smoke();

@@ -228,6 +228,54 @@ static void a_selfmotion_holds_the_effector(void **unused) {
   kv_session_close(&s);
 }
 
+/* Numbers of a table's answer, and how many there are. */
+static const double *table_numbers(const kv_answer *answer, uint32_t *rows, uint32_t *columns) {
+  uint32_t header;
+  assert_int_equal(answer->bytes.data[0], KV_TABLE);
+  memcpy(&header, answer->bytes.data + 8, sizeof header);
+  memcpy(rows, answer->bytes.data + 12, sizeof *rows);
+  memcpy(columns, answer->bytes.data + 16, sizeof *columns);
+  assert_int_equal(answer->bytes.size, 20 + header + 8 * *rows * *columns);
+  return (const double *)(const void *)(answer->bytes.data + 20 + header);
+}
+
+/* Cells of the five-bar's map are closed configurations, on the sheet of each mode; on its singularity curve the ends
+ * of the cranks are two rods of 0.9 apart. */
+static void a_map_has_closed_configurations(void **unused) {
+  (void)unused;
+  kv_session s = open_session("five_bar");
+  km_error error;
+  uint32_t rows, columns, sheets[3] = {0};
+  expect(&s, "1 singular", "error");
+  kv_answer answer = tell(&s, "2 map 0 4 -2 2 -2 2 10");
+  const double *cells = table_numbers(&answer, &rows, &columns);
+  for (uint32_t r = 0; r < rows; ++r) {
+    const double *c = cells + r * columns; /* q.A q.E sheet aspect q.B q.C q.D … */
+    const double q[] = {c[0], c[4], c[5], c[6], c[1]};
+    assert_int_equal(kv_session_place(&s, q, &error), KM_OK);
+    for (int k = 0; k < 5; ++k)
+      assert_true(fabs(km_state_coordinate(s.state, k) - q[k]) <= 1e-9);
+    ++sheets[(int)c[2]];
+  }
+  assert_true(sheets[1] > 80 && sheets[1] == sheets[2]);
+  km_text_free(&answer.bytes);
+  answer = tell(&s, "3 singular");
+  const double *curve = table_numbers(&answer, &rows, &columns);
+  assert_true(rows > 100);
+  for (uint32_t r = 0; r < rows; ++r) {
+    const double *c = curve + r * columns; /* curve kind q.A q.B q.C q.D q.E; the cranks stand up at 0 */
+    double x = 1.0 - 0.6 * sin(c[6]) + 0.6 * sin(c[2]), y = 0.6 * cos(c[6]) - 0.6 * cos(c[2]);
+    assert_true(fabs(hypot(x, y) - 1.8) <= 1e-9);
+  }
+  km_text_free(&answer.bytes);
+  expect(&s, "4 map 0 4 -2 2 -2 2 201", "error");
+  expect(&s, "5 map 0 0 -2 2 -2 2 10", "error");
+  expect(&s, "6 map 0 9 -2 2 -2 2 10", "error");
+  expect(&s, "7 hold 0 1", "model");
+  expect(&s, "8 singular", "error"); /* the mechanism is another one */
+  kv_session_close(&s);
+}
+
 static void undo_comes_back(void **unused) {
   (void)unused;
   kv_session s = open_session("fourbar");
@@ -589,6 +637,7 @@ int main(void) {
       cmocka_unit_test(undo_comes_back),
       cmocka_unit_test(undo_comes_back_to_what_is_held),
       cmocka_unit_test(a_selfmotion_holds_the_effector),
+      cmocka_unit_test(a_map_has_closed_configurations),
       cmocka_unit_test(a_design_is_saved),
       cmocka_unit_test(columns_move_the_effector),
       cmocka_unit_test(designs_are_kept),

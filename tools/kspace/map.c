@@ -243,6 +243,25 @@ static kt_exit write_files(const options *o, const kt_pose *pose, const km_space
   return result;
 }
 
+/* Draws the map of no mode, which has the columns only: what --show and --over-point need is there, or missing, before
+ * the work starts. */
+static kt_exit check_picture(const options *o, const kt_pose *pose, const km_space_map_def *def) {
+  const km_all_modes none = {0};
+  const km_map_look look = {.column = shown_column(o, def), .over_point = o->over_point};
+  km_space_map map = {0};
+  km_text out = {0};
+  km_error error;
+  km_status status = km_space_map_compute(pose->mechanism, pose->state, def, &none, NULL, NULL, &map, &error);
+  if (!status)
+    status = km_space_map_picture(pose->mechanism, def, &map, &look, KM_PICTURE_SVG, &out, &error);
+  status = status == KM_NO_RESULT ? KM_OK : status;
+  if (status)
+    kt_print_message(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
+  km_space_map_free(&map);
+  km_text_free(&out);
+  return kt_exit_of(status);
+}
+
 static kt_exit run(const options *o, const kt_pose *pose) {
   km_space_map_def def = {0};
   km_all_modes modes = {0};
@@ -255,6 +274,8 @@ static kt_exit run(const options *o, const kt_pose *pose) {
     result = kspace_map_figures_create(&o->common, pose, (kspace_ask)o->ask, drivers, &figures);
     def.figures = figures.figures.count > 0 ? &figures.figures : NULL;
   }
+  if (result == KT_DONE && (o->show || o->over_point))
+    result = check_picture(o, pose, &def);
   if (result == KT_DONE)
     result = compute(o, pose, &def, &modes, &map);
   if (result == KT_DONE && o->base)

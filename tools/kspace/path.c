@@ -1,5 +1,6 @@
 /* kspace path: a path between two configurations without a singularity of the drivers. */
 #include "kspace/kspace.h"
+#include "kspace/path_answer.h"
 #include "kspace/played_model.h"
 
 #include "kmech/clearance.h"
@@ -72,41 +73,6 @@ static kt_exit read_drivers(const options *o, const km_model *model, int *driver
     else
       drivers[d] = km_model_actuator(model, d);
   return result;
-}
-
-static void print_path(const options *o, const km_space_path *path, double margin, km_text *out) {
-  size_t rows = km_table_rows(path->table);
-  km_text_format(out, "%s: ", o->model);
-  switch (path->outcome) {
-  case KM_SPACE_PATH_FOUND:
-    km_text_format(out, "a path of %zu step%s%s, length %.4g\n", rows > 0 ? rows - 1 : 0, rows == 2 ? "" : "s",
-                   path->is_straight ? ", straight" : "", path->length);
-    km_text_format(out,
-                   "smallest singular value of the input: %.4g at the start, %.4g at the end, at least %.4g between\n",
-                   path->ends[0], path->ends[1], path->least_margin);
-    break;
-  case KM_SPACE_PATH_SEPARATED:
-    km_text_format(out,
-                   "no path: the determinant of the input has opposite signs at the start and %s, so that each path "
-                   "passes a singularity of the drivers\n",
-                   strchr(o->to, '=') ? "in the assembly modes that were found at the end" : "at the end");
-    break;
-  case KM_SPACE_PATH_END:
-    if (isnan(path->ends[!path->is_at_start]))
-      km_text_format(out, "no path: the drivers are singular at the %s, or no loop closes there\n",
-                     path->is_at_start ? "start" : "end");
-    else
-      km_text_format(
-          out,
-          "no path: the %s is beyond a limit, lacks the clearance, or is nearer to a singularity than the margin %.4g: "
-          "the smallest singular value there is %.4g\n",
-          path->is_at_start ? "start" : "end", margin, path->ends[!path->is_at_start]);
-    break;
-  default:
-    km_text_format(out, "no path was found among %d configurations; there may be one\n", path->configurations);
-  }
-  if (!path->is_straight && path->outcome == KM_SPACE_PATH_FOUND)
-    km_text_format(out, "the straight path is blocked; the search took %d configurations\n", path->configurations);
 }
 
 /* ---- The clearance of bodies along the path. */
@@ -206,61 +172,83 @@ static kt_exit read_end(const options *o, const km_model *model, const int *driv
   return result;
 }
 
-static kt_exit run(const options *o, const kt_pose *from, const kt_pose *to) {
-  int drivers[KM_MAX_PATH_DRIVERS], count;
-  double values[KM_MAX_PATH_DRIVERS];
-  double margin = KM_DEFAULT_PATH_MARGIN, time = 1.0;
-  km_space_path path = {0};
+/* Reads the numbers of options. */
+static kt_exit read_numbers(const options *o, double *margin, double *time) {
+  *margin = KM_DEFAULT_PATH_MARGIN;
+  *time = 1.0;
+  if (o->margin && (!kt_number(o->margin, margin) || !(*margin > 0.0)))
+    return kt_usage(&o->common, "--margin", o->margin, "a positive number");
+  if (o->time && (!kt_number(o->time, time) || !(*time > 0.0)))
+    return kt_usage(&o->common, "--time", o->time, "a positive number");
+  return KT_DONE;
+}
+
+/* Searches for the path to a pose, or, without one, to values of the drivers. */
+static kt_exit find_path(const options *o, const kt_pose *to, const double *values, kept_clearance *kept,
+                         kspace_path_answer *a) {
+  const kt_pose *from = a->pose;
   km_error error;
-  km_text out = {0};
-  kt_exit result = read_drivers(o, from->model, drivers, &count);
-  if (result == KT_DONE && o->margin && (!kt_number(o->margin, &margin) || !(margin > 0.0)))
-    result = kt_usage(&o->common, "--margin", o->margin, "a positive number");
-  if (result == KT_DONE && o->time && (!kt_number(o->time, &time) || !(time > 0.0)))
-    result = kt_usage(&o->common, "--time", o->time, "a positive number");
-  if (result == KT_DONE && !to->model)
-    result = read_end(o, from->model, drivers, count, values);
-  kept_clearance kept = {0};
-  if (result == KT_DONE)
-    result = read_clearance(o, from, &kept);
-  double *end = result == KT_DONE ? KM_NEW(double, (size_t)km_model_coordinate_count(from->model) + 1) : NULL;
-  km_status status = end ? KM_OK : KM_MEMORY;
-  if (!status && to->model)
-    status = km_state_coordinates(to->mechanism, to->state, end, &error);
-  const km_space_path_def def = {.drivers = drivers,
-                                 .driver_count = count,
+  double *end = KM_NEW(double, (size_t)km_model_coordinate_count(from->model) + 1);
+  if (!end)
+    return KT_NO_MEMORY;
+  km_status status = to->model ? km_state_coordinates(to->mechanism, to->state, end, &error) : KM_OK;
+  const km_space_path_def def = {.drivers = a->drivers,
+                                 .driver_count = a->driver_count,
                                  .to = to->model ? end : NULL,
                                  .to_drivers = values,
-                                 .margin = margin,
+                                 .margin = a->margin,
                                  .ignore_limits = o->ignores_limits,
                                  .seed = o->common.seed,
-                                 .condition = kept.clearance ? keeps_clearance : NULL,
-                                 .context = &kept};
-  if (result != KT_DONE) {
-    km_clearance_free(kept.clearance);
-    km_free(kept.pairs);
-    return result;
-  }
+                                 .condition = kept->clearance ? keeps_clearance : NULL,
+                                 .context = kept};
   kt_progress progress = kt_progress_start(&o->common);
   if (!status)
-    status = km_space_path_find(from->mechanism, from->state, &def, kt_progress_show, &progress, &path, &error);
+    status = km_space_path_find(from->mechanism, from->state, &def, kt_progress_show, &progress, &a->path, &error);
   kt_progress_end(&progress);
   if (status)
-    kt_print_message(&o->common, KM_ERROR, "%s: %s", o->model, end ? error.text : "out of memory");
-  result = kt_exit_of(status);
-  if (result == KT_DONE && o->base && path.outcome == KM_SPACE_PATH_FOUND)
-    result = write_files(o, from, &path, drivers, count, time);
-  if (result == KT_DONE) {
-    print_path(o, &path, margin, &out);
-    result = kt_print(&o->common, &out);
-  }
-  if (result == KT_DONE && path.outcome != KM_SPACE_PATH_FOUND)
-    result = KT_PARTIAL;
+    kt_print_message(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
+  km_free(end);
+  return kt_exit_of(status);
+}
+
+/* Writes the files of -o, and prints the text, or without -o the record if it is requested. */
+static kt_exit deliver(const options *o, const kspace_path_answer *a, double time) {
+  km_arena arena = {0};
+  km_text out = {0};
+  kt_exit result = KT_DONE;
+  if (o->base && a->path.outcome == KM_SPACE_PATH_FOUND)
+    result = write_files(o, a->pose, &a->path, a->drivers, a->driver_count, time);
+  if (!o->base && o->formats.wanted[KT_JSON])
+    km_json_write(kspace_path_record(a, &arena), &out);
+  else
+    kspace_print_path(a, &out);
+  if (result == KT_DONE)
+    result = arena.failed || out.failed ? KT_NO_MEMORY : kt_print(&o->common, &out);
   km_text_free(&out);
-  km_space_path_free(&path);
+  km_arena_free(&arena);
+  return result;
+}
+
+static kt_exit run(const options *o, const kt_pose *from, const kt_pose *to) {
+  kspace_path_answer a = {.pose = from, .model = o->model, .has_free_end = !to->model};
+  double values[KM_MAX_PATH_DRIVERS], time;
+  kept_clearance kept = {0};
+  kt_exit result = read_drivers(o, from->model, a.drivers, &a.driver_count);
+  if (result == KT_DONE)
+    result = read_numbers(o, &a.margin, &time);
+  if (result == KT_DONE && !to->model)
+    result = read_end(o, from->model, a.drivers, a.driver_count, values);
+  if (result == KT_DONE)
+    result = read_clearance(o, from, &kept);
+  if (result == KT_DONE)
+    result = find_path(o, to, values, &kept, &a);
+  if (result == KT_DONE)
+    result = deliver(o, &a, time);
+  if (result == KT_DONE && a.path.outcome != KM_SPACE_PATH_FOUND)
+    result = KT_PARTIAL;
+  km_space_path_free(&a.path);
   km_clearance_free(kept.clearance);
   km_free(kept.pairs);
-  km_free(end);
   return result;
 }
 
@@ -285,7 +273,8 @@ kt_exit kspace_path(int argc, char **argv) {
       {"time", 0, "T", "Duration of the motion in BASE.path.json, in the model's time unit (default: 1)", KT_TEXT,
        &o.time, KT_ABOUT_FILES},
       {"format", 0, "FORMATS",
-       "Some of csv,json,svg,pdf,png (default csv,svg); json is the model, its drivers prescribed",
+       "Some of csv,json,svg,pdf,png (default csv,svg); json is the model, its drivers prescribed; without -o a record in "
+       "place of the text",
        KT_TEXT_OF("csv or json or svg or pdf or png"), &o.format, KT_ABOUT_FILES},
       KT_BASE(&o.base, "Write BASE.path.csv, .svg … where a path was found"),
   };
@@ -300,7 +289,10 @@ kt_exit kspace_path(int argc, char **argv) {
       "singular value keeps the margin at every step of 0.04 at most. Where the determinant of the input has opposite signs at both "
       "ends there is no path, and that is certain. Otherwise the straight path is tried first, then two trees of configurations grow "
       "from both ends until they meet, and the path is shortened. Another --seed may find another path. With --format json the "
-      "model is written with its drivers prescribed over time along the path, at rest at both ends, for ksim inverse. Exit status 1: "
+      "model is written with its drivers prescribed over time along the path, at rest at both ends, for ksim inverse; without -o the "
+      "record is printed. Its keys beside those of every record: drivers, outcome (found, separated, end, not found), end (start or "
+      "end: the one that isn't allowed), margin, ends (smallest singular value of the input at both), configurations, straight, "
+      "length, least_margin, and the table's columns and rows. Exit status 1: "
       "no path was found. Ball joints and redundant conditions are refused.",
       argc, argv);
   if (!kt_formats_parse_among(&o.common, o.format ? o.format : "csv,svg", "csv,json,svg,pdf,png", &o.formats))

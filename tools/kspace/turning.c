@@ -1,5 +1,6 @@
 /* kspace turning: dead points of a driver over one number of the design. */
 #include "kspace/kspace.h"
+#include "kspace/turning_answer.h"
 
 #include "common/command_line/vary.h"
 #include "kmech/inspect.h"
@@ -9,6 +10,8 @@
 
 #include <math.h>
 #include <string.h>
+
+static const double same_turn = 1e-9; /* part of a turn that is rounding */
 
 typedef struct options {
   kt_common common;
@@ -41,96 +44,41 @@ static kt_exit read_definition(const options *o, const km_model *model, kt_varia
   return result;
 }
 
-/* "A goes fully round for r up to 41.87"; nothing if it never does. */
-static void print_turns(const km_turning *t, const km_turning_def *def, const char *driver, km_text *out) {
-  bool is_first = true;
-  for (int i = 0; i < t->interval_count; ++i) {
-    if (!t->intervals[i].turns)
-      continue;
-    int first = i;
-    while (i + 1 < t->interval_count && t->intervals[i + 1].turns)
-      ++i;
-    double from = t->intervals[first].from, to = t->intervals[i].to;
-    if (is_first)
-      km_text_format(out, "%s goes fully round for %s ", driver, def->path);
-    km_text_add(out, is_first ? "" : " and ");
-    if (first == 0 && i == t->interval_count - 1)
-      km_text_format(out, "from %.6g to %.6g, the whole range", from, to);
-    else if (first == 0)
-      km_text_format(out, "below %.6g", to);
-    else if (i == t->interval_count - 1)
-      km_text_format(out, "above %.6g", from);
-    else
-      km_text_format(out, "from %.6g to %.6g", from, to);
-    is_first = false;
-  }
-  if (is_first)
-    km_text_format(out, "%s goes nowhere fully round for %s from %.6g to %.6g", driver, def->path, def->from, def->to);
-  km_text_add(out, "\n");
+/* Full turns of a hinge's values, so that they are within half a turn of 0 in the middle of their range. */
+static double middle_turns(double low, double high, double turn) {
+  return turn > 0.0 ? turn * ceil((0.5 * (low + high) - 0.5 * turn) / turn - same_turn) : 0.0;
 }
 
-static void print_interval(const km_turning_interval *at, const char *driver, const char *unit, km_text *out) {
-  km_text_format(out, "  %.6g to %.6g: ", at->from, at->to);
-  if (!at->is_defined)
-    km_text_add(out, "the model can't be read with these numbers");
-  else if (!at->is_assembled)
-    km_text_add(out, "the circuit of the drawing is not there");
-  else if (at->turns)
-    km_text_format(out, "%s goes round", driver);
-  else if (isfinite(at->low) && isfinite(at->high))
-    km_text_format(out, "%s swings, at %.6g from %.6g to %.6g %s", driver, 0.5 * (at->from + at->to), at->low, at->high,
-                   unit);
-  else
-    km_text_format(out, isnan(at->low) ? "the swing of %s was not found" : "%s moves without end", driver);
-  if (at->is_defined)
-    km_text_format(out, "; %d dead point%s in all circuits", at->dead_points, at->dead_points == 1 ? "" : "s");
-  km_text_add(out, "\n");
-}
-
-static void print_critical(const km_turning_point *point, const km_turning_def *def, const char *driver,
-                           const char *unit, km_text *out) {
-  static const char *const words[] = {"", "two motions cross: circuits join or part",
-                                      "an isolated configuration: a circuit appears or vanishes",
-                                      "two dead points meet: the circuits stay"};
-  double angle = fabs(point->driver) < 1e-6 ? 0.0 : point->driver; /* digits beyond are rounding */
-  km_text_format(out, "  %s = %.10g with %s at %.6g %s: %s\n", def->path, point->number, driver, angle, unit,
-                 words[point->kind]);
-}
-
-static void print_turning(const options *o, const km_model *model, const km_turning_def *def, const km_turning *t,
-                          km_text *out) {
-  const char *driver = km_model_coordinate_label(model, def->driver);
-  const char *unit = km_model_coordinate_unit(model, def->driver);
-  km_text_format(out, "%s: ", o->model);
-  if (km_model_coordinate_is_length(model, def->driver))
-    km_text_format(out, "dead points of %s for %s from %.6g to %.6g\n", driver, def->path, def->from, def->to);
-  else
-    print_turns(t, def, driver, out);
-  for (int i = 0; i < t->interval_count; ++i)
-    print_interval(&t->intervals[i], driver, unit, out);
-  km_text_format(out, "%d critical value%s of %s\n", t->point_count, t->point_count == 1 ? "" : "s", def->path);
-  for (int i = 0; i < t->point_count; ++i)
-    print_critical(&t->points[i], def, driver, unit, out);
-  km_text_format(out, "%d curve%s of dead points, %zu points, from the circuits of %d assembly mode%s%s\n",
-                 t->curve_count, t->curve_count == 1 ? "" : "s", km_table_rows(t->curves), t->modes,
-                 t->modes == 1 ? "" : "s", t->is_complete ? "" : " (at least these)");
-}
-
-/* The curves with a row without values between two of them, which interrupts the line. NULL when out of memory. */
-static km_table *separate_curves(const km_table *curves) {
-  km_table *out = km_table_create();
+/* Copies rows first to last - 1, and a row without values, which interrupts the line. */
+static bool add_curve(const km_table *curves, size_t first, size_t last, size_t driver, double turn, km_table *out) {
+  double low = HUGE_VAL, high = -HUGE_VAL;
   size_t width = km_table_columns(curves);
+  for (size_t r = first; r < last; ++r) {
+    low = fmin(low, km_table_row(curves, r)[driver]);
+    high = fmax(high, km_table_row(curves, r)[driver]);
+  }
+  double turns = middle_turns(low, high, turn);
+  for (size_t r = first; r < last; ++r) {
+    double *cells = km_table_add_row(out);
+    if (!cells)
+      return false;
+    memcpy(cells, km_table_row(curves, r), width * sizeof *cells);
+    cells[driver] -= turns;
+  }
+  return km_table_add_row(out) != NULL;
+}
+
+/* The curves one by one, each within about half a turn of 0. NULL when out of memory. */
+static km_table *separate_curves(const km_table *curves, size_t driver, double turn) {
+  km_table *out = km_table_create();
   bool is_ok = out != NULL;
-  for (size_t c = 0; is_ok && c < width; ++c)
+  for (size_t c = 0; is_ok && c < km_table_columns(curves); ++c)
     is_ok = km_table_add_column(out, km_table_name(curves, c), km_table_unit(curves, c)) >= 0;
-  for (size_t r = 0; is_ok && r < km_table_rows(curves); ++r) {
-    const double *row = km_table_row(curves, r);
-    if (r > 0 && km_table_row(curves, r - 1)[0] != row[0])
-      is_ok = km_table_add_row(out) != NULL;
-    double *cells = is_ok ? km_table_add_row(out) : NULL;
-    is_ok = cells != NULL;
-    if (is_ok)
-      memcpy(cells, row, width * sizeof *cells);
+  for (size_t first = 0, last; is_ok && first < km_table_rows(curves); first = last) {
+    last = first + 1;
+    while (last < km_table_rows(curves) && km_table_row(curves, last)[0] == km_table_row(curves, first)[0])
+      ++last;
+    is_ok = add_curve(curves, first, last, driver, turn, out);
   }
   if (is_ok)
     return out;
@@ -143,13 +91,19 @@ static kt_exit write_picture(const options *o, const km_model *model, const km_t
   km_text out = {0};
   km_error error = {0};
   km_chart *chart = NULL;
-  km_table *lines = separate_curves(t->curves);
-  if (!lines)
-    return KT_NO_MEMORY;
   const size_t y = 3 + (size_t)def->driver;
+  bool is_angle = !km_model_coordinate_is_length(model, def->driver);
+  km_table *lines = separate_curves(t->curves, y, is_angle ? 2.0 * M_PI / km_model_units(model).angle->si : 0.0);
+  km_text label = {0};
+  km_text_format(&label, "%s (as in the file)", def->path);
+  if (!lines || label.failed) {
+    km_table_free(lines);
+    km_text_free(&label);
+    return KT_NO_MEMORY;
+  }
   const km_plotted_table plotted = {lines, "dead points", 1, &y};
   const char *name = km_model_coordinate_label(model, def->driver);
-  const km_chart_words words = {.title = "Dead points", .x_label = def->path, .names = &name};
+  const km_chart_words words = {.title = "Dead points", .x_label = label.data, .names = &name};
   km_status status = km_table_chart_worded(&plotted, 1, 1, &words, &chart, &error);
   if (!status)
     status = km_chart_picture(chart, kt_picture_format(format), &out, &error);
@@ -160,17 +114,21 @@ static kt_exit write_picture(const options *o, const km_model *model, const km_t
     result = kt_write(&o->common, o->base, "turning", kt_format_word(format), &out);
   km_chart_free(chart);
   km_table_free(lines);
+  km_text_free(&label);
   km_text_free(&out);
   return result;
 }
 
-static kt_exit write_files(const options *o, const km_model *model, const km_turning_def *def, const km_turning *t) {
+static kt_exit write_files(const options *o, const km_model *model, const km_turning_def *def, const km_turning *t,
+                           const km_text *record) {
   kt_exit result = KT_DONE;
   for (int format = 0; result == KT_DONE && format < KT_FORMATS; ++format) {
     if (!o->formats.wanted[format])
       continue;
     if (format == KT_CSV)
       result = kspace_write_csv(&o->common, o->base, t->curves, "turning");
+    else if (format == KT_JSON)
+      result = kt_write(&o->common, o->base, "turning", "json", record);
     else if (t->curve_count > 0)
       result = write_picture(o, model, def, t, (kt_format)format);
     else
@@ -179,25 +137,36 @@ static kt_exit write_files(const options *o, const km_model *model, const km_tur
   return result;
 }
 
+/* Writes the files of -o, and prints the text, or the record if it is requested and has no file. */
+static kt_exit deliver(const options *o, const kt_pose *pose, const km_turning_def *def, const km_turning *t) {
+  km_arena arena = {0};
+  km_text text = {0}, json = {0};
+  bool wants_record = o->formats.wanted[KT_JSON];
+  if (wants_record)
+    km_json_write(kspace_turning_record(pose, def, t, &arena), &json);
+  kspace_print_turning(pose->model, def, t, &text);
+  kt_exit result = arena.failed || json.failed || text.failed ? KT_NO_MEMORY : KT_DONE;
+  if (result == KT_DONE && o->base)
+    result = write_files(o, pose->model, def, t, &json);
+  if (result == KT_DONE)
+    result = kt_print(&o->common, wants_record && !o->base ? &json : &text);
+  km_text_free(&text);
+  km_text_free(&json);
+  km_arena_free(&arena);
+  return result;
+}
+
 static kt_exit run(const options *o, const kt_pose *pose, const km_turning_def *def) {
   km_turning turning = {0};
   km_error error;
-  km_text out = {0};
   kt_progress progress = kt_progress_start(&o->common);
   km_status status = km_turning_find(pose->mechanism, pose->state, def, kt_progress_show, &progress, &turning, &error);
   kt_progress_end(&progress);
   if (status)
     kt_print_message(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
-  kt_exit result = kt_exit_of(status);
-  if (result == KT_DONE && o->base)
-    result = write_files(o, pose->model, def, &turning);
-  if (result == KT_DONE) {
-    print_turning(o, pose->model, def, &turning, &out);
-    result = kt_print(&o->common, &out);
-  }
+  kt_exit result = status ? kt_exit_of(status) : deliver(o, pose, def, &turning);
   if (result == KT_DONE && !turning.is_complete)
     result = KT_PARTIAL;
-  km_text_free(&out);
   km_turning_free(&turning);
   return result;
 }
@@ -214,8 +183,9 @@ kt_exit kspace_turning(int argc, char **argv) {
       KT_SET(&o.sets, "Start from another pose: move a joint to a value"),
       KT_HOLD(&o.holds, KT_HOLD_RIGID),
       KT_POSE(o.common),
-      {"format", 0, "FORMATS", "Some of csv,svg,pdf,png (default csv,svg)", KT_TEXT_OF("csv or svg or pdf or png"),
-       &o.format, KT_ABOUT_FILES},
+      {"format", 0, "FORMATS",
+       "Some of csv,json,svg,pdf,png (default csv,svg); json without -o: a record in place of the text",
+       KT_TEXT_OF("csv or json or svg or pdf or png"), &o.format, KT_ABOUT_FILES},
       KT_BASE(&o.base, "Write the curves to BASE.turning.csv and a plot to BASE.turning.svg"),
   };
   KT_OPTIONS_ADD(&all, own);
@@ -229,16 +199,19 @@ kt_exit kspace_turning(int argc, char **argv) {
       "points of each circuit at N values of the number; critical values are the extrema of the number on them. There two "
       "motions cross, a circuit appears or vanishes, or two dead points meet. What is said of an interval was found in "
       "its middle, on the circuit of the pose. A circuit that is at none of the N values is not found. Limits are ignored. "
-      "Columns of the table: curve, number, critical (0: none, 1: crossing, 2: isolated, 3: cusp), q. of each joint. Exit "
-      "status 1: the list of assembly modes may lack some, and so the curves. Ball joints, redundant conditions and more "
+      "Columns of the table: curve, number, critical (0: none, 1: crossing, 2: isolated, 3: cusp), q. of each joint. JSON "
+      "keys beside those of every record: driver, number, from, to, complete, modes, intervals (from, to, motion: turns, "
+      "swings, endless, not found, not assembled, not defined; low, high, dead_points), critical_values (number, driver, "
+      "kind, curve), curves, and the table's columns and rows. Exit status 1: the list of assembly modes may lack some, and so the curves. Ball joints, redundant conditions and more "
       "freedoms are refused.",
       argc, argv);
   kt_pose pose = {0};
   kt_variants variants = {0};
   km_turning_def def;
-  kt_exit result = kt_formats_parse_among(&o.common, o.format ? o.format : "csv,svg", "csv,svg,pdf,png", &o.formats)
-                       ? kt_open(&o.common, o.model, &o.holds, &o.sets, &pose)
-                       : KT_USAGE;
+  kt_exit result =
+      kt_formats_parse_among(&o.common, o.format ? o.format : "csv,svg", "csv,json,svg,pdf,png", &o.formats)
+          ? kt_open(&o.common, o.model, &o.holds, &o.sets, &pose)
+          : KT_USAGE;
   if (result == KT_DONE)
     result = read_definition(&o, pose.model, &variants, &def);
   if (result == KT_DONE)

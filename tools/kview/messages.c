@@ -150,6 +150,8 @@ static const struct {
     {"diagnose", 0, 0, kv_diagnose},
     {"forces", 0, 0, kv_forces},
     {"lever", 2, 2, kv_lever},
+    {"map", 7, 7, kv_map},
+    {"singular", 0, 0, kv_singular},
     {"modes", 1, 1, kv_modes},
     {"mode", 1, 1, kv_mode},
     {"selfmotion", 1, 1, kv_selfmotion},

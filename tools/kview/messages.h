@@ -47,6 +47,8 @@ kv_verb kv_compute_question, kv_recompute, kv_track;
 int kv_question_kind(const kv_session *session, int index);
 /* Explanations of the motion (explanations.c). */
 kv_verb kv_motions, kv_diagnose, kv_forces, kv_lever;
+/* map_messages.c: maps over two drivers. */
+kv_verb kv_map, kv_singular;
 /* modes.c: poses that are found or named. */
 kv_verb kv_modes, kv_mode, kv_named;
 /* selfmotion.c, arm_columns.c: arms with joints to spare. */
@@ -57,6 +59,10 @@ kv_verb kv_patch;
 kv_verb kv_set_parameters;
 /* saved_model.c */
 kv_verb kv_write;
+
+/* table_message.c: `,"columns":[{name, unit}]` of a header; and the answer with a header, which is padded. */
+void kv_add_columns(const km_table *table, km_text *header);
+km_status kv_add_table(const kv_call *call, km_text *header, const km_table *table, km_error *error);
 
 /* An argument as an index; -1 where it is none. */
 int kv_index(const kv_call *call, int argument);

@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { MOST_NUMBERS = 4000000, MOST_STEPS = 5000, TRACK_STEPS = 48 };
+enum { MOST_STEPS = 5000, TRACK_STEPS = 48 };
 
 /* Options that the kind of question doesn't have are left out. */
 static bool has_option(int kind, const char *name) {
@@ -106,19 +106,6 @@ static void add_events(const km_question *question, km_text *out) {
   km_text_add(out, "]");
 }
 
-static void add_columns(const km_table *table, km_text *out) {
-  km_text_add(out, ",\"columns\":[");
-  for (size_t c = 0; c < km_table_columns(table); ++c) {
-    kv_add_comma(out);
-    km_text_add(out, "{\"name\":");
-    kv_add_string(out, km_table_name(table, c));
-    km_text_add(out, ",\"unit\":");
-    kv_add_string(out, km_table_unit(table, c));
-    km_text_add(out, "}");
-  }
-  km_text_add(out, "]");
-}
-
 static void add_notes(const km_messages *notes, km_text *out) {
   km_text_add(out, ",\"notes\":[");
   for (size_t i = 0; i < km_messages_count(notes); ++i) {
@@ -148,35 +135,19 @@ static void add_stop(const kv_session *s, const km_question *question, km_text *
   km_text_free(&text);
 }
 
-/* The length of the header of a binary message, with the bytes before it, is a multiple of 8. */
 static km_status add_table(const kv_call *call, const kv_asked *a, const km_question *question, km_error *error) {
   const km_table *table = km_question_table(question);
-  size_t rows = km_table_rows(table), columns = km_table_columns(table);
-  km_text header = {0}, *out = &call->answer->bytes;
-  if (rows * columns > MOST_NUMBERS)
-    return km_fail(error, KM_USAGE, "a table of %zu rows and %zu columns is more than a page shows", rows, columns);
+  km_text header = {0};
   km_text_add(&header, "{\"question\":");
   kv_add_string(&header, km_question_kind_name(a->kind));
   km_text_format(&header, ",\"driver\":%d,\"branches\":%d", a->driver, count_branches(question));
   add_stop(call->session, question, &header);
-  add_columns(table, &header);
+  kv_add_columns(table, &header);
   add_events(question, &header);
   add_notes(km_question_notes(question), &header);
-  while (!header.failed && header.size % 8 != 4)
-    km_text_add(&header, " ");
-  call->answer->binary = true;
-  kv_add_u32(out, KV_TABLE);
-  kv_add_u32(out, call->request);
-  kv_add_u32(out, (uint32_t)header.size);
-  kv_add_u32(out, (uint32_t)rows);
-  kv_add_u32(out, (uint32_t)columns);
-  km_text_bytes(out, header.data ? header.data : "", header.size);
-  for (size_t r = 0; r < rows; ++r)
-    for (size_t c = 0; c < columns; ++c)
-      kv_add_f64(out, km_table_row(table, r)[c]);
-  out->failed = out->failed || header.failed;
+  km_status status = kv_add_table(call, &header, table, error);
   km_text_free(&header);
-  return KM_OK;
+  return status;
 }
 
 static km_status answer(const kv_call *call, km_error *error) {

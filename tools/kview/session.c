@@ -69,6 +69,8 @@ static void forget_question(kv_session *s) {
 static void adopt(kv_session *s, compiled *c) {
   compiled old = {s->mechanism, s->state, s->probe, s->hand};
   forget_question(s);
+  km_table_free(s->singular);
+  s->singular = NULL;
   s->mechanism = c->mechanism;
   s->state = c->state;
   s->probe = c->probe;

@@ -6,6 +6,7 @@
 
 #include "kmech/base.h"
 #include "kmech/continuation.h"
+#include "kmech/data.h"
 #include "kmech/inspect.h"
 #include "kmech/mechanism.h"
 #include "kmech/model.h"
@@ -75,6 +76,7 @@ typedef struct kv_session {
   km_question *question; /* answer of `asked`; NULL: not yet computed */
   double *modes;         /* assembly modes found last: [mode_count × coordinates] */
   int mode_count;
+  km_table *singular;    /* singularity curves of the last map; NULL: there is none */
   km_messages *messages; /* messages of the reader */
 } kv_session;
 

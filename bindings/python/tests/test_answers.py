@@ -25,7 +25,7 @@ def test_the_version_is_the_projects():
 
 def test_every_kind_of_question_is_a_method(brake):
     assert kmech.kinds() == ["mobility", "advantage", "forces", "track", "run", "inverse", "motion",
-                             "allowance", "clearance"]
+                             "allowance", "clearance", "modes", "map"]
     for kind in kmech.kinds()[:3]:
         answer = getattr(brake, kind)(range=(20, 32), steps=4)
         assert len(answer) == 5 and answer.complete
@@ -344,6 +344,18 @@ def test_turning(source):
     assert set(found.curves["critical"]) == {0.0, 1.0}
     with pytest.raises(kmech.UsageError, match="no file"):
         kmech.Mechanism(kmech.from_string((source / "models/fourbar.json").read_text())).turning("A", "crank.end.x", 0.05, 0.6)
+
+
+def test_spaces(source):
+    """Questions about spaces: as many rows as modes, or as grid points; a five-bar's sheet doesn't come everywhere."""
+    modes = kmech.load(source / "models/fourbar.json").modes()
+    assert list(modes["mode"]) == [1, 2] and list(modes["circuit"]) == [1, 2] and modes.complete
+    found = kmech.load(source / "models/five_bar.json").map(steps=20, first_range=(-2, 2), second_range=(-2, 2))
+    reached = found["reached"] == 1
+    assert len(reached) == 441 and 0.5 < reached.mean() < 1
+    assert found["sigma.input"][~reached].max() == 0 and found["sigma.input"][reached].min() > 0
+    with pytest.raises(kmech.UsageError, match="two drivers"):
+        kmech.load(source / "models/five_bar.json").map(joints=["A"])
 
 
 def test_space_path(source):

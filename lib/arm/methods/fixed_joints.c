@@ -11,10 +11,11 @@ km_status km_method_fixed(km_tracking_run *run, km_error *error) {
   if (method->joint_count == 0) {
     km_arm_update(a, &run->space.arm, run->start);
     km_control_pivot(a, &run->space.arm, none, NULL);
-    const km_partition *p = &run->space.arm.partition;
-    for (int c = p->rank; c <= a->n; ++c) /* the path column is one of the independent columns, but no joint */
-      if (p->column[c] < a->n)
-        run->fixed[p->column[c]] = true;
+    const km_factor *p = run->space.arm.factor;
+    for (int c = km_factor_rank(p); c <= a->n;
+         ++c) /* the path column is one of the independent columns, but no joint */
+      if (km_factor_column_order(p)[c] < a->n)
+        run->fixed[km_factor_column_order(p)[c]] = true;
   }
   const km_step_choice choice = {.fixed = run->fixed};
   return km_run_steps(run, &choice, NULL, NULL, error);

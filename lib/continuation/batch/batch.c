@@ -9,23 +9,24 @@
 
 /* True if a batch covers the number of freedoms. The first step with several freedoms is taken singly. */
 static bool has_batchable_freedoms(const km_driver_motion *d, int freedom) {
-  bool few = freedom <= KM_BATCH_FREEDOMS && freedom - 1 <= d->c.history.reference.rank;
+  bool few = freedom <= KM_BATCH_FREEDOMS && freedom - 1 <= km_factor_rank(d->c.history.reference);
   return freedom == 1 || (freedom > 1 && few && !d->current.is_stiff && d->c.history.last_h != 0.0);
 }
 
 /* True if the motion can be batched: known pivots that belong to the present configuration, which is regular. */
 static bool can_be_batched(const km_driver_motion *d) {
   const km_state *s = d->c.state;
-  const km_partition *p = &s->partition[d->c.substructure], *reference = &d->c.history.reference;
+  const km_factor *p = s->factor[d->c.substructure], *reference = d->c.history.reference;
   return d->current.known && !d->c.constant_rank.is_active && s->pivot_driver[d->c.substructure] == d->c.column &&
-         !p->forced_dependent && !p->locked && has_batchable_freedoms(d, km_partition_freedom(p)) &&
-         reference->rank == p->rank && reference->search_count == p->search_count && !km_continuation_is_singular(p);
+         !km_factor_has_forced_pivot(p) && !s->has_locked[d->c.substructure] &&
+         has_batchable_freedoms(d, km_factor_freedom(p)) && km_factor_rank(reference) == km_factor_rank(p) &&
+         km_factor_search_count(reference) == km_factor_search_count(p) && !km_continuation_is_singular(p);
 }
 
 /* Records the elimination with the pivots of the first active lane; all lanes use them. */
-static void record_elimination(km_batch *l, const km_partition *p) {
+static void record_elimination(km_batch *l, const km_factor *p) {
   km_recorded_elimination_record(&l->elimination, p, l->sub->pattern.used);
-  l->extra_freedoms = km_partition_freedom(p) - 1;
+  l->extra_freedoms = km_factor_freedom(p) - 1;
   memset(l->J, 0, l->sub->pattern.size * sizeof *l->J);
 }
 
@@ -40,7 +41,7 @@ static void copy_ball(km_lane_quaternion *to, const km_quaternion *q, int i) {
 static void load_lane(km_batch *l, int i) {
   const km_driver_motion *d = l->drives[i];
   const km_step_history *history = &d->c.history;
-  const km_partition *p = &d->c.state->partition[d->c.substructure];
+  const km_factor *p = d->c.state->factor[d->c.substructure];
   if (!can_be_batched(d))
     return;
   if (!l->active && !km_recorded_elimination_matches(&l->elimination, p))
@@ -65,12 +66,13 @@ static void load_lane(km_batch *l, int i) {
   l->current.older_count.of[i] = history->older_count;
   l->current.last_h.of[i] = history->last_h;
   l->current.equal_count.of[i] = history->equal_count;
-  l->sign.of[i] = history->reference.sign;
+  l->sign.of[i] = history->sign;
   l->current.s.of[i] = d->current.s;
   l->current.largest.of[i] = d->current.largest;
   l->current.stopped.of[i] = d->current.stopped;
-  l->max_b_at_search.of[i] = p->max_b_at_search;
-  l->smallest_pivot.of[i] = p->rank > 0 ? p->smallest_pivot : 0.0;
+  const km_factor_evidence evidence = km_factor_get_evidence(p);
+  l->max_b_at_search.of[i] = evidence.max_b_at_search;
+  l->smallest_pivot.of[i] = km_factor_rank(p) > 0 ? evidence.smallest_pivot_at_search : 0.0;
   l->active |= 1u << i;
 }
 
@@ -116,7 +118,7 @@ void km_driver_motion_batched_direction(const km_driver_motion *d, double *z) {
 }
 
 void km_driver_motion_read_basis(km_driver_motion *d) {
-  km_state_set_single_basis(d->c.state, d->c.substructure, &d->lanes->read_row->z->of[d->lane], KM_BATCH_LANES);
+  km_factor_set_null_vector(d->c.state->factor[d->c.substructure], &d->lanes->read_row->z->of[d->lane], KM_BATCH_LANES);
 }
 
 /* Takes one step with the widest registers of the processor. */
@@ -137,21 +139,19 @@ static void release_repivoted_lanes(km_batch *l) {
   for (unsigned remaining = l->refreshed; remaining; remaining &= remaining - 1) {
     km_driver_motion *d = l->drives[__builtin_ctz(remaining)];
     const km_state *s = d->c.state;
-    const km_partition *p = &s->partition[d->c.substructure];
-    if (s->pivot_driver[d->c.substructure] != d->c.column || p->search_count != d->c.history.reference.search_count)
+    const km_factor *p = s->factor[d->c.substructure];
+    if (s->pivot_driver[d->c.substructure] != d->c.column ||
+        km_factor_search_count(p) != km_factor_search_count(d->c.history.reference))
       km_driver_motion_write_back(d);
   }
   l->refreshed = 0;
 }
 
-/* Targets further than this many longest steps are left to the single motion, which has a step bound. */
-static const double most_steps = 1e4;
-
 /* Loads a lane; if that fails, finds pivots and tangent, or takes the first step singly, and tries again. */
 static void load_or_start_lane(km_batch *l, int i, double target) {
   km_driver_motion *d = l->drives[i];
   load_lane(l, i);
-  bool is_distant = !(fabs(target * l->factor.of[i] - d->current.s) < most_steps * km_driver_longest_step);
+  bool is_distant = !(fabs(target * l->factor.of[i] - d->current.s) < KM_MOST_STEPS_TO_UNREACHABLE * km_longest_step);
   if (is_distant)
     km_driver_motion_write_back(d);
   if (is_distant || l->active >> i & 1)
@@ -165,7 +165,7 @@ static void load_or_start_lane(km_batch *l, int i, double target) {
 }
 
 static bool is_far(const km_batch *l, int i) {
-  return !(fabs(l->target.of[i] - l->current.s.of[i]) < most_steps * km_driver_longest_step);
+  return !(fabs(l->target.of[i] - l->current.s.of[i]) < KM_MOST_STEPS_TO_UNREACHABLE * km_longest_step);
 }
 
 /* Sets the targets of the active lanes and writes back those with distant targets. */

@@ -11,7 +11,7 @@
 /* Three or four iterations are usual; a lane that needs more continues singly. */
 enum { MOST_ITERATIONS = 8 };
 
-/* Gauss-Jordan elimination with the recorded pivots, as km_partition_refactor: leaves the reduced matrix in J, and B
+/* Gauss-Jordan elimination with the recorded pivots, as km_factor_refactor: leaves the reduced matrix in J, and B
  * with its largest entry. Clears lanes whose pivots became unstable (growth monitor, theory 3.3). */
 static INLINED void refactor(km_batch *l, vector *largest_b, mask *valid, int first, int count) {
   const km_recorded_elimination *elimination = &l->elimination;

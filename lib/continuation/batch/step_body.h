@@ -114,7 +114,7 @@ static INLINED void predict(km_batch *l, const vector *h, vector *error_ratio, m
     predict_minimum_norm_path(l, h, error_ratio, valid, first, count);
   for (int k = 0; k < l->sub->columns; ++k) {
     EACH(r)
-    valid[r] &= at_most(size_of(GET(l->move[k])), all(km_driver_motion_longest_move));
+    valid[r] &= at_most(size_of(GET(l->move[k])), all(km_max_newton_step));
     if (l->is_length[k])
       EACH(r)
     valid[r] &= at_most(size_of(GET(l->from[k])), (km_driver_motion_diverging - 1.0) * GET(l->unit[k]));
@@ -159,7 +159,7 @@ static inline void check_limits(const km_batch *l, const vector *h, mask *valid,
 
 /* Clears lanes with |D correction| above the allowed part of |D move|; compared by squares. */
 static inline void check_correction(const km_batch *l, const vector *correction, mask *valid, int first, int count) {
-  const double part = km_driver_motion_correction_ratio;
+  const double part = km_correction_ratio;
   vector square[REGISTERS];
   mask corrected[REGISTERS];
   EACH(r) {
@@ -175,7 +175,7 @@ static inline void check_correction(const km_batch *l, const vector *correction,
 
 /* Clears lanes whose tangents differ too much or, with one freedom, whose sign of det changed; compared by squares. */
 static INLINED void check_tangents(const km_batch *l, mask *valid, int first, int count) {
-  const double cosine = km_driver_motion_least_cosine(km_driver_motion_correction_ratio);
+  const double cosine = km_least_step_cosine(km_correction_ratio);
   vector along[REGISTERS], before[REGISTERS], after[REGISTERS];
   EACH(r)
   along[r] = before[r] = after[r] = all(0.0);
@@ -213,11 +213,11 @@ static inline void count_equal_steps(km_batch *l, const vector *h, const mask *t
 /* Returns the next step size: doubled if the error ratio permits it. */
 static inline vector next_step_size(vector step, vector h, vector error_ratio, bool single_freedom) {
   vector longer = 2.0 * step;
-  vector longest = pick(below(longer, all(km_driver_longest_step)), longer, all(km_driver_longest_step));
+  vector longest = pick(below(longer, all(km_longest_step)), longer, all(km_longest_step));
   if (single_freedom) /* no error ratio with one freedom */
     return longest;
   vector share = step / size_of(h), square = share * share;
-  return pick(below(error_ratio * (square * square), all(km_driver_motion_growth_limit)), longest, step);
+  return pick(below(error_ratio * (16.0 * (square * square)), all(km_driver_motion_growth_limit)), longest, step);
 }
 
 /* Accepts the step where `took` is set; elsewhere the lane returns to its start. `x` is the Newton step not applied. */

@@ -54,6 +54,8 @@ KM_API km_status km_question_xlsx(const km_question *question, const char *sheet
  * missing. The print functions append text. `name`: name of the model. */
 /* The head that every record starts with: kmech, tool, model, model_sha256, units, characteristic_length. */
 KM_API km_value *km_record_head(const km_mechanism *mechanism, const char *tool, const char *name, km_arena *arena);
+/* Adds `columns` [{name, unit}] and `rows` of a table to a record. */
+KM_API void km_table_record(const km_table *table, km_value *record, km_arena *arena);
 /* Record of `kmob info` and `kmob at`. NULL when out of memory (arena->failed). */
 KM_API km_value *km_mobility_record(const km_mechanism *mechanism, const km_state *state, const km_mobility *mobility,
                                     const char *name, km_arena *arena);

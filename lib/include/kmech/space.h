@@ -222,12 +222,12 @@ typedef enum km_turning_kind {
 /* Returns "none", "crossing", "isolated", "cusp"; "" for another value. */
 KM_API const char *km_turning_kind_name(km_turning_kind kind);
 
-/* A critical value. */
+/* A critical value. Curves of several modes with equal number, driver and kind share one. */
 typedef struct km_turning_point {
   double number;        /* value of the number, in the file's unit */
   double driver;        /* value of the driver, in the model's unit; a hinge's within half a turn of 0 */
   km_turning_kind kind; /* never KM_TURNING_NONE */
-  int curve;            /* number of its curve, from 1 */
+  int curve;            /* number of its curve, from 1; of several modes': the first */
 } km_turning_point;
 
 /* Motion of the driver between two neighbouring critical values, found in the middle. */

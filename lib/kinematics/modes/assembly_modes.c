@@ -64,7 +64,7 @@ static bool add_mode(mode_search *f) {
   if (f->arena.failed || !km_reserve(&modes, &f->capacity, (size_t)f->count + 1, sizeof *f->modes))
     return false;
   f->modes = modes;
-  f->is_mobile = f->is_mobile || km_partition_freedom(&f->s->partition[f->work.substructure]) > 0;
+  f->is_mobile = f->is_mobile || km_factor_freedom(f->s->factor[f->work.substructure]) > 0;
   memcpy(added.pose, f->s->pose, bodies * sizeof *added.pose);
   bool is_first = f->count == 0;
   added.is_within_limits =
@@ -137,7 +137,7 @@ static km_status search_modes(mode_search *f, int starts, km_modes *out, km_erro
     km_state_copy(f->m, f->s, f->original);
     is_closed = km_mode_close(&f->work);
     is_ok = is_closed && !f->arena.failed && !f->work.failed;
-    is_mobile = is_ok && f->driver < 0 && km_partition_freedom(&f->s->partition[f->work.substructure]) > 0;
+    is_mobile = is_ok && f->driver < 0 && km_factor_freedom(f->s->factor[f->work.substructure]) > 0;
     is_ok = is_ok && !is_mobile && run_starts(f, starts) && write_modes(f, out);
   }
   out->isolated = is_ok && !f->is_mobile;

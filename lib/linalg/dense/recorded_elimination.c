@@ -48,7 +48,7 @@ static void list_updates(km_recorded_elimination *r, int first, int row, int oth
 }
 
 /* Symbolic Gauss-Jordan elimination with known pivots: lists operations and fill-in. */
-void km_recorded_elimination_record(km_recorded_elimination *r, const km_partition *p, const bool *used) {
+void km_recorded_elimination_record(km_recorded_elimination *r, const km_factor *p, const bool *used) {
   int rows = r->row_count;
   list_ends to = {r->scales, r->updates, r->rhs_updates};
   memcpy(r->reduced, used, (size_t)rows * (size_t)r->column_count * sizeof *used);
@@ -70,7 +70,7 @@ void km_recorded_elimination_record(km_recorded_elimination *r, const km_partiti
   r->rhs_update_count = (int)(to.turn - r->rhs_updates);
 }
 
-bool km_recorded_elimination_matches(const km_recorded_elimination *r, const km_partition *p) {
+bool km_recorded_elimination_matches(const km_recorded_elimination *r, const km_factor *p) {
   return r->rank == p->rank && memcmp(r->row, p->row, (size_t)r->rank * sizeof *r->row) == 0 &&
          memcmp(r->column, p->column, (size_t)r->column_count * sizeof *r->column) == 0;
 }

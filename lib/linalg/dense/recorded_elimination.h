@@ -3,7 +3,7 @@
 #ifndef KM_LINALG_DENSE_RECORDED_ELIMINATION_H
 #define KM_LINALG_DENSE_RECORDED_ELIMINATION_H
 
-#include "linalg/partition.h"
+#include "linalg/factor_private.h"
 
 /* Positions are (column · rows + row) · stride in the matrix and row · stride in a right side, for numbers that are
  * `stride` doubles apart. */
@@ -38,8 +38,8 @@ bool km_recorded_elimination_reserve(km_recorded_elimination *recorded, int rows
                                      km_arena *arena);
 /* Records the elimination by the pivots of a dense partition. `used`[rows × columns, column-major]: the entry can be
  * non-zero. Skipping structural zeros changes no value: x − l 0 = x. O(rows · columns · rank). */
-void km_recorded_elimination_record(km_recorded_elimination *recorded, const km_partition *partition, const bool *used);
+void km_recorded_elimination_record(km_recorded_elimination *recorded, const km_factor *partition, const bool *used);
 /* True if the list belongs to the partition's pivots. */
-bool km_recorded_elimination_matches(const km_recorded_elimination *recorded, const km_partition *partition);
+bool km_recorded_elimination_matches(const km_recorded_elimination *recorded, const km_factor *partition);
 
 #endif

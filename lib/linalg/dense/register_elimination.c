@@ -56,9 +56,9 @@ INLINE km_pair read_pair(const double *column, int rows, int i, const int stride
 }
 
 /* Copies the matrix to `reduced`; finds its largest magnitude and the first pivot. */
-INLINE int64_t load_and_search(const km_partition *p, const double *matrix, key_search *s, int candidates,
-                               double *largest, const int stride) {
-  const int64_t key = p->ties_by_position ? KM_NEAR_KEY : KM_KEY;
+INLINE int64_t load_and_search(const km_factor *p, const double *matrix, key_search *s, int candidates, double *largest,
+                               const int stride) {
+  const int64_t key = p->options.ties_by_position ? KM_NEAR_KEY : KM_KEY;
   const km_pair magnitude = (km_pair)(km_bits){KM_MAGNITUDE, KM_MAGNITUDE};
   km_pair scale[PAIRS];
   EACH_PAIR(scale[i] = (km_pair){0.0, 0.0}; s->open[i] = (km_pair)(km_bits){key, 2 * i + 1 < p->rows ? key : 0};
@@ -81,7 +81,7 @@ INLINE int64_t load_and_search(const km_partition *p, const double *matrix, key_
 }
 
 /* Searches the columns from … columns-1 after all earlier ones are used. */
-INLINE int64_t search_columns(const km_partition *p, key_search *s, int from, const int stride) {
+INLINE int64_t search_columns(const km_factor *p, key_search *s, int from, const int stride) {
   km_bits slot = km_slot_bits(from);
   for (int k = from; k < p->columns; ++k, slot -= KM_NEXT_SLOT) {
     const km_pair *x = (const km_pair *)(p->reduced + (ptrdiff_t)p->column[k] * stride);
@@ -91,7 +91,7 @@ INLINE int64_t search_columns(const km_partition *p, key_search *s, int from, co
 }
 
 /* Multipliers l of a step, which replace the pivot column. */
-INLINE void compute_multipliers(const km_partition *p, int step, int row, km_pair *l, km_pair *not_pivot_row,
+INLINE void compute_multipliers(const km_factor *p, int step, int row, km_pair *l, km_pair *not_pivot_row,
                                 const int stride) {
   double *column = p->reduced + (ptrdiff_t)p->column[step] * stride;
   double inverse = 1.0 / column[row], r = row;
@@ -103,7 +103,7 @@ INLINE void compute_multipliers(const km_partition *p, int step, int row, km_pai
 }
 
 /* Elimination step, and search for the next pivot among columns step+1 … candidates-1. */
-INLINE int64_t eliminate_and_search(const km_partition *p, key_search *s, int step, int row, int candidates,
+INLINE int64_t eliminate_and_search(const km_factor *p, key_search *s, int step, int row, int candidates,
                                     const int stride) {
   km_pair l[PAIRS];
   km_pair not_pivot_row[PAIRS];
@@ -125,13 +125,13 @@ INLINE int64_t eliminate_and_search(const km_partition *p, key_search *s, int st
   return find_best_key(s, stride);
 }
 
-INLINE double magnitude_at(const km_partition *p, int position, const int stride) {
+INLINE double magnitude_at(const km_factor *p, int position, const int stride) {
   return fabs(p->reduced[(ptrdiff_t)p->column[km_place_slot(position)] * stride + km_place_row(position)]);
 }
 
 /* Position of the key. It mostly equals that of the last search: a predicted branch hides the latency of the maximum.
  * The result does not depend on the guess. */
-INLINE int decode_position(const km_partition *p, int step, int64_t key) {
+INLINE int decode_position(const km_factor *p, int step, int64_t key) {
   int found = km_key_place(key), last = p->pivot_guess[step], position = last;
   __asm__("" : "+r"(position)); /* hides from the compiler that position equals `last`, so that the branch stays */
   if (__builtin_expect(found != last, 0))
@@ -140,8 +140,7 @@ INLINE int decode_position(const km_partition *p, int step, int64_t key) {
 }
 
 /* Elimination with complete pivoting; forced columns after `candidates` are tried last. */
-INLINE void factor_with_stride(km_partition *p, const double *matrix, int candidates, double tolerance,
-                               const int stride) {
+INLINE void factor_with_stride(km_factor *p, const double *matrix, int candidates, double tolerance, const int stride) {
   key_search s;
   int64_t key = load_and_search(p, matrix, &s, candidates, &p->scale, stride);
   double threshold = tolerance * p->scale;
@@ -153,7 +152,7 @@ INLINE void factor_with_stride(km_partition *p, const double *matrix, int candid
       position = decode_position(p, step, key);
       size = magnitude_at(p, position, stride);
     }
-    if (!(size > threshold) && candidates < p->columns && !p->forced_never_pivot) {
+    if (!(size > threshold) && candidates < p->columns && !p->options.forced_never_pivot) {
       key = search_columns(p, &s, candidates, stride);
       position = km_key_place(key);
       size = km_key_is_valid(key) ? magnitude_at(p, position, stride) : 0.0;
@@ -176,9 +175,9 @@ INLINE void factor_with_stride(km_partition *p, const double *matrix, int candid
 }
 
 /* Elimination with known pivots. False if a value is not finite. */
-INLINE bool refactor_with_stride(const km_partition *in, const double *matrix, const int stride) {
-  const km_partition own = *in, *const p = &own; /* a copy in registers, which stores below cannot change */
-  km_pair not_finite = {0.0, 0.0};               /* sum of x − x: 0, or NaN */
+INLINE bool refactor_with_stride(const km_factor *in, const double *matrix, const int stride) {
+  const km_factor own = *in, *const p = &own; /* a copy in registers, which stores below cannot change */
+  km_pair not_finite = {0.0, 0.0};            /* sum of x − x: 0, or NaN */
   for (int k = 0; k < p->columns; ++k) {
     km_pair *to = (km_pair *)(p->reduced + (ptrdiff_t)k * stride);
     EACH_PAIR(km_pair x = read_pair(matrix + (ptrdiff_t)k * p->rows, p->rows, i, stride); to[i] = x;
@@ -197,7 +196,7 @@ INLINE bool refactor_with_stride(const km_partition *in, const double *matrix, c
   return not_finite[0] + not_finite[1] == 0.0;
 }
 
-void km_register_factor(km_partition *p, const double *matrix, int candidates, double tolerance) {
+void km_register_factor(km_factor *p, const double *matrix, int candidates, double tolerance) {
   switch (p->stride) {
   case 2:
     factor_with_stride(p, matrix, candidates, tolerance, 2);
@@ -221,7 +220,7 @@ void km_register_factor(km_partition *p, const double *matrix, int candidates, d
 }
 
 /* Gauss-Jordan elimination with known pivots, by the instance for the stride. False if a value is not finite. */
-bool km_register_refactor(const km_partition *p, const double *matrix) {
+bool km_register_refactor(const km_factor *p, const double *matrix) {
   switch (p->stride) {
   case 2:
     return refactor_with_stride(p, matrix, 2);

@@ -17,7 +17,7 @@ static const double threshold_ratio = 0.3;
 
 /* Symbolic step: rows that column c reaches in the graph of L, by depth-first search, in topological order, into
  * reach_list[top … rows-1]. Returns top. */
-static int find_reach(km_partition *p, int c) {
+static int find_reach(km_factor *p, int c) {
   km_sparse *s = p->sparse;
   int top = p->rows;
   for (int i = s->start[c]; i < s->start[c + 1]; ++i) {
@@ -54,7 +54,7 @@ static int find_reach(km_partition *p, int c) {
   return top;
 }
 
-static void scatter_column(const km_partition *p, const double *matrix, int c) {
+static void scatter_column(const km_factor *p, const double *matrix, int c) {
   const km_sparse *s = p->sparse;
   for (int i = s->start[c]; i < s->start[c + 1]; ++i)
     s->x[s->row[i]] = matrix[i];
@@ -80,7 +80,7 @@ static int choose_pivot_row(const km_sparse *s, const km_entry_range *rows, doub
 }
 
 /* Applies a step: x <- x − L_:k u_k; u_k is appended to U. */
-static void apply_step(km_partition *p, int step, int *upper_end) {
+static void apply_step(km_factor *p, int step, int *upper_end) {
   km_sparse *s = p->sparse;
   double value = s->x[p->row[step]];
   s->upper_store.index[*upper_end] = step;
@@ -91,7 +91,7 @@ static void apply_step(km_partition *p, int step, int *upper_end) {
 
 /* Reduces column c by the steps so far: u is stored in U, the rest stays in x. Returns the pivot row, -1 if nothing is
  * left. */
-static int reduce_column(km_partition *p, const double *matrix, int c, int *upper_end, int *lower_end) {
+static int reduce_column(km_factor *p, const double *matrix, int c, int *upper_end, int *lower_end) {
   km_sparse *s = p->sparse;
   int top = find_reach(p, c);
   double largest = 0.0;
@@ -121,7 +121,7 @@ static int reduce_column(km_partition *p, const double *matrix, int c, int *uppe
 }
 
 /* Accepts the reduced column c as the next step with the pivot in `row`: column of L over the pivot. */
-static void accept_pivot(km_partition *p, int c, int row) {
+static void accept_pivot(km_factor *p, int c, int row) {
   km_sparse *s = p->sparse;
   int step = p->rank++, next_free = s->lower[c].start;
   p->row[step] = row;
@@ -141,7 +141,7 @@ static void accept_pivot(km_partition *p, int c, int row) {
 }
 
 /* Clears the accumulator of a column that becomes no step. */
-static void clear_column(km_partition *p, int c) {
+static void clear_column(km_factor *p, int c) {
   km_sparse *s = p->sparse;
   for (int i = s->lower[c].start; i < s->lower[c].end; ++i)
     s->x[s->lower_store.index[i]] = 0.0;
@@ -149,13 +149,13 @@ static void clear_column(km_partition *p, int c) {
 
 enum { GROUPS = 4 };
 
-static int column_group(const km_partition *p, const bool *forced, int c) {
-  return km_sparse_is_locked(p, c) ? 3 : km_sparse_is_preset(p, forced, c) ? 2 : p->sparse->is_postponed[c] ? 1 : 0;
+static int column_group(const km_factor *p, const bool *forced, int c) {
+  return km_factor_is_locked(p, c) ? 3 : km_sparse_is_preset(p, forced, c) ? 2 : p->sparse->is_postponed[c] ? 1 : 0;
 }
 
 /* Column order after the singletons: ordinary, postponed, forced, locked. Returns the index of the first postponed
  * one. */
-static int order_columns(km_partition *p, const bool *forced) {
+static int order_columns(km_factor *p, const bool *forced) {
   km_sparse *s = p->sparse;
   int next[GROUPS] = {s->singleton_count, 0, 0, 0}, *const rest = s->dropped, count = 0;
   for (int i = 0; i < p->columns; ++i)
@@ -188,7 +188,7 @@ static void postpone_column(km_sparse *s, int i, int end) {
 }
 
 /* Removes secondary rows from L: they are not read, and refactorisations need not compute them. */
-static void remove_secondary_rows(km_partition *p) {
+static void remove_secondary_rows(km_factor *p) {
   km_sparse *s = p->sparse;
   int next_free = 0; /* singletons have no entries of L */
   for (int i = s->singleton_count; i < p->columns; ++i) {
@@ -204,7 +204,7 @@ static void remove_secondary_rows(km_partition *p) {
 }
 
 /* Clears the entries of U and L of the independent columns. */
-static void clear_independent(const km_partition *p, int count) {
+static void clear_independent(const km_factor *p, int count) {
   const km_sparse *s = p->sparse;
   for (int i = 0; i < count; ++i)
     s->upper[s->dropped[i]] = s->lower[s->dropped[i]] = (km_entry_range){0, 0};
@@ -212,7 +212,7 @@ static void clear_independent(const km_partition *p, int count) {
 
 /* Reduces the independent columns by all steps. Later steps contribute only rounding at these values, but can
  * contribute at the next values with these pivots. */
-static void reduce_independent(km_partition *p, const double *matrix, const int *dropped, int count, int upper_end,
+static void reduce_independent(km_factor *p, const double *matrix, const int *dropped, int count, int upper_end,
                                int lower_end) {
   for (int i = 0; i < count; ++i) {
     reduce_column(p, matrix, dropped[i], &upper_end, &lower_end);
@@ -221,7 +221,7 @@ static void reduce_independent(km_partition *p, const double *matrix, const int 
 }
 
 /* Repeats the elimination with known pivots, symbolic steps included. */
-bool km_sparse_refactor_full_pattern(km_partition *p, const double *matrix) {
+bool km_sparse_refactor_full_pattern(km_factor *p, const double *matrix) {
   km_sparse *s = p->sparse;
   const int rank = p->rank;
   int upper_end = 0, lower_end = 0;
@@ -251,7 +251,7 @@ bool km_sparse_refactor_full_pattern(km_partition *p, const double *matrix) {
 }
 
 /* One LU elimination by columns with threshold pivoting; small pivots are postponed or dropped. */
-void km_sparse_eliminate(km_partition *p, const double *matrix, const bool *forced, double threshold) {
+void km_sparse_eliminate(km_factor *p, const double *matrix, const bool *forced, double threshold) {
   km_sparse *s = p->sparse;
   int lower_end = 0, dropped = 0;
   p->rank = 0;
@@ -282,7 +282,7 @@ void km_sparse_eliminate(km_partition *p, const double *matrix, const bool *forc
       postpone_column(s, i--, first_postponed);
       continue;
     }
-    if (size > threshold && !(p->forced_never_pivot && forced && forced[c])) {
+    if (size > threshold && !(p->options.forced_never_pivot && forced && forced[c])) {
       accept_pivot(p, c, row);
       lower_end = s->lower[c].end;
       p->forced_dependent = p->forced_dependent || (forced && forced[c]);

@@ -7,7 +7,7 @@
 #include <string.h>
 
 /* Counts the non-zero entries of every column. */
-static void count_entries(const km_partition *p, const double *matrix) {
+static void count_entries(const km_factor *p, const double *matrix) {
   const km_sparse *s = p->sparse;
   const int *const start = s->start;
   km_open_entries *const open = s->open_entries;
@@ -41,7 +41,7 @@ static int remove_row(const km_sparse *s, const double *matrix, int row, int lis
 }
 
 /* Lists the columns with one entry in rows that are not excluded, in `dropped`. Returns their number. */
-static int list_singletons(const km_partition *p, const double *matrix) {
+static int list_singletons(const km_factor *p, const double *matrix) {
   const km_sparse *s = p->sparse;
   int *const list = s->dropped, list_count = 0;
   count_entries(p, matrix);
@@ -74,7 +74,7 @@ static int store_column(km_sparse *s, const double *matrix, int c, int upper_end
 }
 
 /* Inverts the pivots and stores their range and order. */
-static void store_pivots(km_partition *p) {
+static void store_pivots(km_factor *p) {
   km_sparse *s = p->sparse;
   double *const inverse = p->inverse, smallest = p->smallest_pivot; /* still the pivots */
   p->first_pivot = km_max_magnitude(inverse, p->rank);
@@ -88,7 +88,7 @@ static void store_pivots(km_partition *p) {
 }
 
 /* Takes singletons as pivots until none is left; each removal can create further ones. */
-int km_sparse_take_singletons(km_partition *p, const double *matrix, const bool *forced, double min_pivot) {
+int km_sparse_take_singletons(km_factor *p, const double *matrix, const bool *forced, double min_pivot) {
   km_sparse *s = p->sparse;
   km_open_entries *const open = s->open_entries;
   int rank = 0, upper_end = 0, list_count = list_singletons(p, matrix), *const list = s->dropped;

@@ -11,7 +11,7 @@
 #include <math.h>
 
 /* y <- (L U)⁻ᵀ y, by step. */
-static void solve_pivot_block_transposed(const km_partition *p, double *y) {
+static void solve_pivot_block_transposed(const km_factor *p, double *y) {
   const km_sparse *s = p->sparse;
   for (int k = 0; k < p->rank; ++k) {
     const km_entry_range *above = &s->upper[p->column[k]];
@@ -27,7 +27,7 @@ static void solve_pivot_block_transposed(const km_partition *p, double *y) {
 }
 
 /* y <- (L U)⁻¹ y over all steps of the pivot block; column singletons come first and have no entries in L. */
-static void solve_pivot_block(const km_partition *p, double *y) {
+static void solve_pivot_block(const km_factor *p, double *y) {
   const km_sparse *s = p->sparse;
   for (int k = s->singleton_count; k < p->rank; ++k) {
     const km_entry_range *below = &s->lower[p->column[k]];
@@ -40,7 +40,7 @@ static void solve_pivot_block(const km_partition *p, double *y) {
 /* Inverse iteration: right vector of the pivot block's smallest singular value, by step, into `work`. False if the
  * value is above the threshold, or no column has a sufficient entry. *largest_step: step of the largest entry among
  * columns that are not preset. */
-static bool find_singular_vector(const km_partition *p, const bool *forced, double threshold, int *largest_step) {
+static bool find_singular_vector(const km_factor *p, const bool *forced, double threshold, int *largest_step) {
   static const double start[] = {1.0, 1.25,  1.375, 1.0,
                                  1.5, 1.125, 1.75}; /* a pattern without the symmetries of
                                                                             * mechanisms */
@@ -61,7 +61,7 @@ static bool find_singular_vector(const km_partition *p, const bool *forced, doub
   return *largest_step >= 0 && fabs(y[*largest_step]) * threshold >= first;
 }
 
-int km_sparse_hidden_column(const km_partition *p, const bool *forced, double threshold) {
+int km_sparse_hidden_column(const km_factor *p, const bool *forced, double threshold) {
   int largest_step;
   return find_singular_vector(p, forced, threshold, &largest_step) ? p->column[largest_step] : -1;
 }
@@ -69,7 +69,7 @@ int km_sparse_hidden_column(const km_partition *p, const bool *forced, double th
 /* True if each row is more than the threshold away from the span of the others. y: left vector; `square`: sum of
  * squares of its products with the columns of the pivot block. The distance of a row is about |Jᵀ y| over its entry of
  * y. */
-static bool are_rows_independent(const km_partition *p, const double *matrix, const bool *forced, double threshold,
+static bool are_rows_independent(const km_factor *p, const double *matrix, const bool *forced, double threshold,
                                  const double *y, double square) {
   const km_sparse *s = p->sparse;
   for (int k = p->rank; k < p->columns; ++k) {
@@ -84,7 +84,7 @@ static bool are_rows_independent(const km_partition *p, const double *matrix, co
 }
 
 /* Row with the largest entry of the left singular vector, if the rows are dependent. */
-int km_sparse_hidden_row(const km_partition *p, const double *matrix, const bool *forced, double threshold) {
+int km_sparse_hidden_row(const km_factor *p, const double *matrix, const bool *forced, double threshold) {
   int largest_step;
   double *y = p->work;
   if (!find_singular_vector(p, forced, threshold, &largest_step))

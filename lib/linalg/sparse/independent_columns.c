@@ -25,7 +25,7 @@ typedef struct column_entry {
 } column_entry;
 
 typedef struct null_pivoting {
-  km_partition *p;
+  km_factor *p;
   const bool *forced;
   km_arena arena;
   null_vector *vectors;
@@ -52,15 +52,14 @@ static double entry_multiple(const null_pivoting *h, int times) {
 /* True if the sum over the first `done_count` of all vectors extrapolates to more than `most`. */
 static bool will_exceed(const null_pivoting *h, double sum, int done_count, double most) {
   enum { MIN_SAMPLE = 20 };
-  return done_count >= MIN_SAMPLE && km_partition_freedom(h->p) > KM_MANY_VECTORS &&
-         sum * km_partition_freedom(h->p) > most * done_count;
+  return done_count >= MIN_SAMPLE && km_factor_freedom(h->p) > KM_MANY_VECTORS &&
+         sum * km_factor_freedom(h->p) > most * done_count;
 }
 
 /* Counts a visit of all entries of a vector. */
 static void count_visits(null_pivoting *h, const null_vector *v) {
   h->visits += v->count;
-  h->is_full =
-      h->is_full || (h->visits > entry_multiple(h, MAX_VISITS) && km_partition_freedom(h->p) > KM_MANY_VECTORS);
+  h->is_full = h->is_full || (h->visits > entry_multiple(h, MAX_VISITS) && km_factor_freedom(h->p) > KM_MANY_VECTORS);
 }
 
 /* True if the column may become independent by this choice. */
@@ -105,7 +104,7 @@ static bool append_entry(null_pivoting *h, int vector, int column, double value)
 
 /* Creates the null vectors of the independent columns that are not preset. */
 static bool create_null_vectors(null_pivoting *h) {
-  const km_partition *p = h->p;
+  const km_factor *p = h->p;
   const km_sparse *s = p->sparse;
   h->vectors = KM_ARENA_NEW(&h->arena, null_vector, (size_t)(p->columns - p->rank));
   h->first = KM_ARENA_NEW(&h->arena, int, (size_t)p->columns);
@@ -209,7 +208,7 @@ static bool choose_columns(null_pivoting *h) {
 }
 
 /* Chooses the independent columns by complete pivoting of the null vectors. */
-bool km_sparse_choose_independent(km_partition *p, const bool *forced) {
+bool km_sparse_choose_independent(km_factor *p, const bool *forced) {
   null_pivoting h = {.p = p, .forced = forced};
   bool changed = false;
   memset(p->sparse->is_postponed, 0, (size_t)p->columns * sizeof *p->sparse->is_postponed);

@@ -7,7 +7,7 @@
 #ifndef KM_LINALG_SPARSE_NORMAL_EQUATIONS_H
 #define KM_LINALG_SPARSE_NORMAL_EQUATIONS_H
 
-#include "linalg/partition.h"
+#include "linalg/factor_private.h"
 
 /* Creates normal equations for matrices whose column c has entries in the rows row[start[c] … start[c+1]-1]. NULL
  * without the library or memory. */

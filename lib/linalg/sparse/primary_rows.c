@@ -20,7 +20,7 @@ void km_sparse_fill_row(const km_sparse *s, const double *matrix, const double *
   out.start[k + 1] = next;
 }
 
-double km_sparse_gram_cost(const km_partition *p) {
+double km_sparse_gram_cost(const km_factor *p) {
   const km_sparse *s = p->sparse;
   double sum = 0.0;
   for (int c = 0; c < p->columns; ++c) {
@@ -33,7 +33,7 @@ double km_sparse_gram_cost(const km_partition *p) {
 }
 
 /* Σ over the columns of (entries)²: bound of the entries of J Jᵀ. */
-double km_sparse_full_gram_cost(const km_partition *p) {
+double km_sparse_full_gram_cost(const km_factor *p) {
   const km_sparse *s = p->sparse;
   double sum = 0.0;
   for (int c = 0; c < p->columns; ++c)
@@ -41,13 +41,13 @@ double km_sparse_full_gram_cost(const km_partition *p) {
   return sum;
 }
 
-bool km_sparse_gram_is_dense(const km_partition *p) {
+bool km_sparse_gram_is_dense(const km_factor *p) {
   static const double max_ratio = 100.0; /* entries of the Gram matrix over entries of the matrix */
   return km_sparse_full_gram_cost(p) > max_ratio * p->sparse->start[p->columns];
 }
 
 /* Creates the normal equations of the pattern once. */
-km_normal_equations *km_sparse_create_normal(const km_partition *p) {
+km_normal_equations *km_sparse_create_normal(const km_factor *p) {
   const km_sparse *s = p->sparse;
   if (!s->normal || km_sparse_gram_is_dense(p))
     return NULL;
@@ -57,7 +57,7 @@ km_normal_equations *km_sparse_create_normal(const km_partition *p) {
 }
 
 /* Factors the normal equations of the primary rows. */
-km_normal_equations *km_sparse_normal(const km_partition *p, const double *matrix, const double *weight, int count) {
+km_normal_equations *km_sparse_normal(const km_factor *p, const double *matrix, int count) {
   km_normal_equations *normal = km_sparse_create_normal(p);
   if (!normal)
     return NULL;
@@ -66,18 +66,18 @@ km_normal_equations *km_sparse_normal(const km_partition *p, const double *matri
     rows[p->row[k]] = true;
   for (int k = 0; k < p->rank + count && columns; ++k)
     columns[p->column[k]] = true;
-  bool is_ok = rows && columns && km_normal_equations_factor(normal, matrix, weight, rows, columns);
+  bool is_ok = rows && columns && km_normal_equations_factor(normal, matrix, p->weight, rows, columns);
   km_free(rows);
   km_free(columns);
   return is_ok ? normal : NULL;
 }
 
 /* Orders the columns: possible pivots, forced ones, locked ones. Returns the number of possible pivots. */
-static int order_columns(const km_partition *p, const bool *forced) {
+static int order_columns(const km_factor *p, const bool *forced) {
   int next = 0, candidate_count = 0;
   for (int group = 0; group < 3; ++group) {
     for (int c = 0; c < p->columns; ++c)
-      if ((km_sparse_is_locked(p, c) ? 2 : km_sparse_is_preset(p, forced, c)) == group)
+      if ((km_factor_is_locked(p, c) ? 2 : km_sparse_is_preset(p, forced, c)) == group)
         p->column[next++] = c;
     candidate_count = group == 0 ? next : candidate_count;
   }
@@ -85,14 +85,14 @@ static int order_columns(const km_partition *p, const bool *forced) {
 }
 
 /* Full row rank by the smallest eigenvalue of the normal equations. */
-bool km_sparse_rows_are_independent(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
+bool km_sparse_rows_are_independent(km_factor *p, const double *matrix, const bool *forced, double tolerance) {
   km_sparse *s = p->sparse;
   if (!s->normal || order_columns(p, forced) < p->rows)
     return false;
   p->rank = p->rows;
   for (int r = 0; r < p->rows; ++r)
     p->row[r] = s->step_of[r] = r;
-  km_normal_equations *normal = km_sparse_normal(p, matrix, s->weight, order_columns(p, forced) - p->rank);
+  km_normal_equations *normal = km_sparse_normal(p, matrix, order_columns(p, forced) - p->rank);
   double smallest = normal ? km_normal_equations_smallest_singular_value(normal) : 0.0;
   if (!(smallest > tolerance))
     return false;
@@ -109,7 +109,7 @@ bool km_sparse_rows_are_independent(km_partition *p, const double *matrix, const
 }
 
 /* Dependent rows by sparse QR of Jᵀ. */
-bool km_sparse_find_dependent_rows(km_partition *p, const double *matrix, const bool *forced, double threshold) {
+bool km_sparse_find_dependent_rows(km_factor *p, const double *matrix, const bool *forced, double threshold) {
   km_sparse_qr *q = NULL;
   km_error error;
   int rank = -1, *independent = KM_NEW(int, (size_t)p->rows + 1);
@@ -117,7 +117,7 @@ bool km_sparse_find_dependent_rows(km_partition *p, const double *matrix, const 
   if (independent && is_omitted &&
       !km_sparse_qr_create(p->columns, p->rows, p->sparse->start[p->columns], &q, &error)) {
     for (int c = 0; c < p->columns; ++c)
-      is_omitted[c] = km_sparse_is_locked(p, c) || (p->forced_never_pivot && forced && forced[c]);
+      is_omitted[c] = km_factor_is_locked(p, c) || (p->options.forced_never_pivot && forced && forced[c]);
     for (int r = 0; r < p->rows; ++r)
       km_sparse_fill_row(p->sparse, matrix, NULL, is_omitted, r, r, km_sparse_qr_columns(q));
     rank = km_sparse_qr_independent_columns(q, threshold, independent);

@@ -10,7 +10,7 @@
 #include <string.h>
 
 /* Copies the entries of column c in primary rows to the accumulator. */
-static void scatter_primary(const km_partition *p, const double *matrix, int c) {
+static void scatter_primary(const km_factor *p, const double *matrix, int c) {
   const km_sparse *s = p->sparse;
   for (int i = s->start[c]; i < s->start[c + 1]; ++i)
     if (s->step_of[s->row[i]] >= 0)
@@ -18,7 +18,7 @@ static void scatter_primary(const km_partition *p, const double *matrix, int c) 
 }
 
 /* Back substitution with U by columns. */
-void km_sparse_solve_upper(const km_partition *p, double *y) {
+void km_sparse_solve_upper(const km_factor *p, double *y) {
   const km_sparse *s = p->sparse;
   for (int k = p->rank - 1; k >= 0; --k) {
     double value = y[k] * p->inverse[k];
@@ -32,7 +32,7 @@ void km_sparse_solve_upper(const km_partition *p, double *y) {
 }
 
 /* U⁻¹ times a column of U, by step, into the accumulator; the caller clears it. */
-static double *solve_into_accumulator(const km_partition *p, const km_entry_range *column_of_u) {
+static double *solve_into_accumulator(const km_factor *p, const km_entry_range *column_of_u) {
   const km_sparse *s = p->sparse;
   for (int i = column_of_u->start; i < column_of_u->end; ++i)
     s->x[s->upper_store.index[i]] = s->upper_store.value[i];
@@ -41,7 +41,7 @@ static double *solve_into_accumulator(const km_partition *p, const km_entry_rang
 }
 
 /* Column of B: U⁻¹ times a column of U; non-zero entries into the store from `end` on. */
-static km_entry_range solve_column(const km_partition *p, const km_entry_range *column_of_u, int end) {
+static km_entry_range solve_column(const km_factor *p, const km_entry_range *column_of_u, int end) {
   const km_sparse *s = p->sparse;
   double *const x = solve_into_accumulator(p, column_of_u), *const value = s->b_store.value;
   int *const index = s->b_store.index;
@@ -56,7 +56,7 @@ static km_entry_range solve_column(const km_partition *p, const km_entry_range *
   return run;
 }
 
-km_entry_range km_sparse_b(const km_partition *p, int k) {
+km_entry_range km_sparse_b(const km_factor *p, int k) {
   const km_sparse *s = p->sparse;
   return s->stores_all_b ? s->b[k] : solve_column(p, &s->upper[p->column[p->rank + k]], 0);
 }
@@ -71,7 +71,7 @@ double km_sparse_random_weight(int index, int probe) {
 }
 
 /* Null vector −U⁻¹ u of one independent column. */
-int km_partition_null_entries(const km_partition *p, int k, int *column, double *value) {
+int km_factor_null_entries(const km_factor *p, int k, int *column, double *value) {
   const km_sparse *s = p->sparse;
   const int own = p->column[p->rank + k];
   double *const x = solve_into_accumulator(p, &s->upper[own]);
@@ -89,7 +89,7 @@ int km_partition_null_entries(const km_partition *p, int k, int *column, double 
 }
 
 /* Estimate of the length of the longest row of B, by products with pseudo-random weights. O(entries of U). */
-static double estimate_longest_row(const km_partition *p, const bool *forced) {
+static double estimate_longest_row(const km_factor *p, const bool *forced) {
   enum { PROBES = 3 };
   const km_sparse *s = p->sparse;
   double largest = 0.0, *const x = s->x;
@@ -110,7 +110,7 @@ static double estimate_longest_row(const km_partition *p, const bool *forced) {
 
 /* max|B_ij| over all independent columns, or over those that are not preset. Ends at such a column with an entry beyond
  * `max_entry`. NaN is returned. */
-static double measure_max_b(const km_partition *p, bool free_only, const bool *forced, double max_entry) {
+static double measure_max_b(const km_factor *p, bool free_only, const bool *forced, double max_entry) {
   const km_sparse *s = p->sparse;
   double largest = 0.0;
   int entries = 0;
@@ -132,12 +132,12 @@ static double measure_max_b(const km_partition *p, bool free_only, const bool *f
   return largest;
 }
 
-double km_sparse_estimate_max_b(const km_partition *p, const bool *forced) {
+double km_sparse_estimate_max_b(const km_factor *p, const bool *forced) {
   return measure_max_b(p, true, forced, HUGE_VAL);
 }
 
 /* Computes and stores all columns of B. False if a value is not finite. */
-static bool compute_all_columns(km_partition *p, const bool *forced, double max_entry) {
+static bool compute_all_columns(km_factor *p, const bool *forced, double max_entry) {
   km_sparse *s = p->sparse;
   bool finite = true;
   int end = 0;
@@ -159,7 +159,7 @@ static bool compute_all_columns(km_partition *p, const bool *forced, double max_
 }
 
 /* Sign of the product of the pivots. */
-static int pivot_sign(const km_partition *p) {
+static int pivot_sign(const km_factor *p) {
   bool negative = false;
   for (int i = 0; i < p->rank; ++i)
     negative = negative != (p->inverse[i] < 0.0);
@@ -167,12 +167,12 @@ static int pivot_sign(const km_partition *p) {
 }
 
 /* B = U⁻¹ U_i: all columns, or max|B| only with many freedoms. */
-bool km_sparse_find_b(km_partition *p, const bool *forced, double max_entry) {
+bool km_sparse_find_b(km_factor *p, const bool *forced, double max_entry) {
   km_sparse *s = p->sparse;
   p->max_b = 0.0;
   p->sign = pivot_sign(p);
   s->is_b_unmeasured = false;
-  s->stores_all_b = km_partition_freedom(p) <= KM_MANY_VECTORS;
+  s->stores_all_b = km_factor_freedom(p) <= KM_MANY_VECTORS;
   if (s->stores_all_b)
     return compute_all_columns(p, forced, max_entry);
   p->failed = p->failed || !km_sparse_grow(s, &s->b_store, p->rank);
@@ -182,12 +182,12 @@ bool km_sparse_find_b(km_partition *p, const bool *forced, double max_entry) {
   return isfinite(p->max_b);
 }
 
-double km_sparse_current_max_b(const km_partition *p) {
+double km_sparse_current_max_b(const km_factor *p) {
   return p->sparse->is_b_unmeasured ? measure_max_b(p, false, NULL, HUGE_VAL) : p->max_b;
 }
 
 /* Defers B of many null vectors: max|B| of the search is kept. */
-static bool defer_b(km_partition *p) {
+static bool defer_b(km_factor *p) {
   km_sparse *s = p->sparse;
   p->max_b = p->max_b_at_search;
   p->sign = pivot_sign(p);
@@ -198,7 +198,7 @@ static bool defer_b(km_partition *p) {
 }
 
 /* Dense copy of column k of B. */
-const double *km_sparse_gather_b(const km_partition *p, int k) {
+const double *km_sparse_gather_b(const km_factor *p, int k) {
   const km_sparse *s = p->sparse;
   km_entry_range b = km_sparse_b(p, k);
   memset(p->work, 0, (size_t)p->rank * sizeof *p->work);
@@ -216,7 +216,7 @@ static bool are_structural_zeros(const km_sparse *s, const double *matrix) {
 }
 
 /* Refactors singleton column k: entries in rows of earlier steps are entries of U; L has none. */
-static void refactor_singleton(km_partition *p, const double *matrix, int k) {
+static void refactor_singleton(km_factor *p, const double *matrix, int k) {
   const km_sparse *s = p->sparse;
   const int c = p->column[k];
   double *u = s->upper_store.value + s->upper[c].start;
@@ -230,23 +230,23 @@ static void refactor_singleton(km_partition *p, const double *matrix, int k) {
 }
 
 /* Updates B after a refactorisation, or defers it. */
-static bool update_b(km_partition *p) {
-  if (p->unrestricted_basis || p->sparse->has_rows_only)
+static bool update_b(km_factor *p) {
+  if (!km_sparse_has_null_vectors(p))
     return true;
-  bool is_deferred = p->accepts_any_basis && km_partition_freedom(p) > KM_MANY_VECTORS;
+  bool is_deferred = p->options.basis != KM_BASIS_SHORT && km_factor_freedom(p) > KM_MANY_VECTORS;
   return is_deferred ? defer_b(p) : km_sparse_find_b(p, NULL, HUGE_VAL);
 }
 
 /* Numeric refactorisation on the stored pattern of L and U. */
-bool km_sparse_refactor(km_partition *p, const double *matrix, bool is_full_pattern) {
+bool km_sparse_refactor(km_factor *p, const double *matrix) {
   km_sparse *s = p->sparse;
-  s->is_cached = false;
-  if (p->failed || !km_all_finite(matrix, s->start[p->columns]) || (s->has_normal_only && !p->rows_only))
+  if (p->failed || !km_all_finite(matrix, s->start[p->columns]) ||
+      (s->has_normal_only && p->options.basis != KM_BASIS_NONE))
     return false;
   if (s->has_normal_only) /* the next minimum-norm solution tests the rows */
     return true;
   if (!are_structural_zeros(s, matrix))
-    return is_full_pattern && km_sparse_refactor_full_pattern(p, matrix) && update_b(p);
+    return km_sparse_refactor_full_pattern(p, matrix) && update_b(p);
   for (int k = 0; k < s->singleton_count; ++k)
     refactor_singleton(p, matrix, k);
   const int count =
@@ -275,7 +275,7 @@ bool km_sparse_refactor(km_partition *p, const double *matrix, bool is_full_patt
 }
 
 /* Solves L U x_d = rhs_p; independent columns are 0. */
-void km_sparse_solve(const km_partition *p, const double *rhs, double *x) {
+void km_sparse_solve(const km_factor *p, const double *rhs, double *x) {
   const km_sparse *s = p->sparse;
   double *y = p->work;
   if (s->has_normal_only) { /* reached only when memory is short */
@@ -298,7 +298,7 @@ void km_sparse_solve(const km_partition *p, const double *rhs, double *x) {
 
 /* Cost: entries of U times their columns of L; divisions by the pivots; B by all columns of U for each independent
  * column; one solution. */
-double km_sparse_multiplications(const km_partition *p) {
+double km_sparse_multiplications(const km_factor *p) {
   const km_sparse *s = p->sparse;
   double sum = 0.0, entries = 0.0;
   for (int k = 0; k < p->columns; ++k) {
@@ -314,7 +314,7 @@ double km_sparse_multiplications(const km_partition *p) {
 }
 
 /* Copies pivots and pattern of L and U. */
-void km_sparse_copy(km_partition *to, const km_partition *from) {
+void km_sparse_copy(km_factor *to, const km_factor *from) {
   km_sparse *t = to->sparse;
   const km_sparse *f = from->sparse;
   int upper = 0, lower = 0;
@@ -327,7 +327,6 @@ void km_sparse_copy(km_partition *to, const km_partition *from) {
   memcpy(t->singleton_zero, f->singleton_zero, (size_t)f->singleton_zero_count * sizeof *t->singleton_zero);
   t->singleton_zero_count = f->singleton_zero_count;
   t->singleton_count = f->singleton_count;
-  t->is_cached = false;
   t->has_rows_only = f->has_rows_only;
   t->has_normal_only = f->has_normal_only;
   memcpy(t->step_of, f->step_of, (size_t)from->rows * sizeof *t->step_of);

@@ -15,7 +15,7 @@ static const double max_good_b = 2.0;
 enum { MAX_PASSES = 4 };
 /* Postpones columns with more entries than the average. They are shared by several loops: if they are independent, null
  * vectors reach no further than a loop and its neighbours. Returns true if the independent columns change. */
-static bool postpone_shared_columns(km_partition *p) {
+static bool postpone_shared_columns(km_factor *p) {
   km_sparse *s = p->sparse;
   bool changed = false;
   for (int c = 0; c < p->columns; ++c)
@@ -26,12 +26,12 @@ static bool postpone_shared_columns(km_partition *p) {
 }
 
 /* max|B_ij| over the independent columns that are neither forced nor locked. */
-static double max_free_b(const km_partition *p, const bool *forced) {
-  return forced || p->locked ? km_sparse_estimate_max_b(p, forced) : p->max_b;
+static double max_free_b(const km_factor *p, const bool *forced) {
+  return forced || p->options.locked ? km_sparse_estimate_max_b(p, forced) : p->max_b;
 }
 
 /* Hidden dependent column; -1: none, or only the rank is needed and the primary rows are independent. */
-static int find_hidden_column(const km_partition *p, const double *matrix, const bool *forced, double threshold,
+static int find_hidden_column(const km_factor *p, const double *matrix, const bool *forced, double threshold,
                               bool is_rank_sufficient) {
   if (p->failed || p->sparse->is_overfull)
     return -1;
@@ -43,7 +43,7 @@ static int find_hidden_column(const km_partition *p, const double *matrix, const
 /* Eliminates until no hidden dependence remains, or none that affects the rank if that is sufficient. If a column that
  * is already postponed remains as a pivot, it grew by small pivots: then a primary row depends on the others and is
  * excluded, unless a forced column makes it independent. */
-static void eliminate_until_consistent(km_partition *p, const double *matrix, const bool *forced, double threshold,
+static void eliminate_until_consistent(km_factor *p, const double *matrix, const bool *forced, double threshold,
                                        bool is_rank_sufficient) {
   km_sparse *s = p->sparse;
   int hidden = -1, row = -1;
@@ -55,14 +55,14 @@ static void eliminate_until_consistent(km_partition *p, const double *matrix, co
     km_sparse_eliminate(p, matrix, forced, threshold);
     hidden = find_hidden_column(p, matrix, forced, threshold, is_rank_sufficient);
     bool last = hidden >= 0 && s->is_postponed[hidden];
-    row = last ? km_sparse_hidden_row(p, matrix, p->forced_never_pivot ? forced : NULL, threshold) : -1;
+    row = last ? km_sparse_hidden_row(p, matrix, p->options.forced_never_pivot ? forced : NULL, threshold) : -1;
     if (last && row < 0)
       hidden = -1;
   } while (hidden >= 0);
 }
 
 /* Eliminates until no primary row depends on the others; dependent rows are excluded one by one. */
-static void eliminate_by_rows(km_partition *p, const double *matrix, const bool *forced, double threshold) {
+static void eliminate_by_rows(km_factor *p, const double *matrix, const bool *forced, double threshold) {
   int hidden = -1;
   do {
     if (hidden >= 0)
@@ -75,7 +75,7 @@ static void eliminate_by_rows(km_partition *p, const double *matrix, const bool 
 /* Finds the primary rows only. Elimination by columns comes first; dependent rows can cause much fill-in there. If a
  * bound of entries is exceeded, sparse QR finds and excludes them. QR has at least the entries of the Gram matrix, far
  * more if rows outnumber columns, so it waits for a postponed column in that case. */
-static void find_rows(km_partition *p, const double *matrix, const bool *forced, double threshold) {
+static void find_rows(km_factor *p, const double *matrix, const bool *forced, double threshold) {
   enum { MAX_FILL = 4 };
   km_sparse *s = p->sparse;
   s->max_entries = (int)fmin(fmax((double)MAX_FILL * s->start[p->columns], km_sparse_full_gram_cost(p)), INT_MAX);
@@ -91,69 +91,35 @@ static void find_rows(km_partition *p, const double *matrix, const bool *forced,
 }
 
 /* True if minimum-norm steps use the row equations, so that null vectors need not be short. */
-static bool uses_row_equations(const km_partition *p) {
-  return p->rank > KM_MANY_VECTORS && km_partition_freedom(p) > KM_MANY_VECTORS;
+static bool uses_row_equations(const km_factor *p) {
+  return p->rank > KM_MANY_VECTORS && km_factor_freedom(p) > KM_MANY_VECTORS;
 }
 
-/* True if any independent columns suffice for the request. */
-static bool is_any_basis_sufficient(const km_partition *p) {
-  return p->accepts_any_basis && uses_row_equations(p);
+/* True if any independent columns suffice for the basis. */
+static bool is_any_basis_sufficient(const km_factor *p, km_factor_basis basis) {
+  return basis != KM_BASIS_SHORT && uses_row_equations(p);
 }
 
-/* Options that the cached factor depends on, as flags. */
-static unsigned option_flags(const km_partition *p) {
-  return (p->forced_never_pivot ? 1u : 0u) | (p->unrestricted_basis ? 2u : 0u) | (p->rows_only ? 4u : 0u);
-}
-
-/* Copies flags of columns; NULL: none is set. */
-static void copy_flags(bool *stored, const bool *flags, size_t count) {
-  if (flags)
-    memcpy(stored, flags, count * sizeof *stored);
-  else
-    memset(stored, 0, count * sizeof *stored);
-}
-
-/* Compares stored flags of columns with flags; NULL: none is set. */
-static bool are_flags_equal(const bool *stored, const bool *flags, size_t count) {
-  bool all = true;
-  for (size_t c = 0; c < count && all; ++c)
-    all = stored[c] == (flags && flags[c]);
-  return all;
-}
-
-/* Compares matrix, columns, tolerance and options with those of the present factor. */
-bool km_sparse_has_factor(const km_partition *p, const double *matrix, const bool *forced, double tolerance) {
-  const km_sparse *s = p->sparse;
-  const size_t columns = (size_t)p->columns;
-  return s->is_cached && !p->failed && s->cached_tolerance == tolerance && s->cached_flags == option_flags(p) &&
-         (!s->is_basis_any || is_any_basis_sufficient(p)) && are_flags_equal(s->cached_forced, forced, columns) &&
-         are_flags_equal(s->cached_locked, p->locked, columns) &&
-         memcmp(s->cached_matrix, matrix, (size_t)s->start[columns] * sizeof *matrix) == 0;
-}
-
-/* Stores matrix and arguments of the present factor. */
-static void cache_matrix(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
-  km_sparse *s = p->sparse;
-  memcpy(s->cached_matrix, matrix, (size_t)s->start[p->columns] * sizeof *matrix);
-  copy_flags(s->cached_forced, forced, (size_t)p->columns);
-  copy_flags(s->cached_locked, p->locked, (size_t)p->columns);
-  s->cached_tolerance = tolerance;
-  s->cached_flags = option_flags(p);
-  s->is_cached = !p->failed;
+bool km_sparse_is_basis_sufficient(const km_factor *p, km_factor_basis basis) {
+  const km_factor_basis present = p->options.basis;
+  return (basis == KM_BASIS_NONE) == (present == KM_BASIS_NONE) &&
+         (basis == KM_BASIS_ENTRIES) == (present == KM_BASIS_ENTRIES) &&
+         (!p->sparse->is_basis_any || is_any_basis_sufficient(p, basis));
 }
 
 /* Eliminates with better independent columns until max|B| is small. If any columns suffice, the search ends early. */
-static void find_good_columns(km_partition *p, const double *matrix, const bool *forced, double threshold) {
+static void find_good_columns(km_factor *p, const double *matrix, const bool *forced, double threshold) {
   for (int pass = 0; pass < MAX_PASSES; ++pass) {
-    eliminate_until_consistent(p, matrix, forced, threshold, pass + 1 < MAX_PASSES && !p->unrestricted_basis);
-    if (p->unrestricted_basis)
+    eliminate_until_consistent(p, matrix, forced, threshold,
+                               pass + 1 < MAX_PASSES && p->options.basis != KM_BASIS_ENTRIES);
+    if (p->options.basis == KM_BASIS_ENTRIES)
       break;
-    bool many = km_partition_freedom(p) > KM_MANY_VECTORS, others = many && pass == 0 && postpone_shared_columns(p);
+    bool many = km_factor_freedom(p) > KM_MANY_VECTORS, others = many && pass == 0 && postpone_shared_columns(p);
     double most = many && pass > 0 ? km_max_good_b : max_good_b;
     bool finite = km_sparse_find_b(p, forced, others ? most : HUGE_VAL);
     if (finite && max_free_b(p, forced) <= most)
       break;
-    bool ends = !others && is_any_basis_sufficient(p);
+    bool ends = !others && is_any_basis_sufficient(p, p->options.basis);
     p->sparse->is_basis_any = ends;
     if (ends || (!others && (!finite || !km_sparse_choose_independent(p, forced))))
       break;
@@ -161,20 +127,19 @@ static void find_good_columns(km_partition *p, const double *matrix, const bool 
 }
 
 /* Factors a sparse matrix: full row rank by normal equations, rows only, or good independent columns. */
-void km_sparse_factor(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
+void km_sparse_factor(km_factor *p, const double *matrix, const bool *forced, double tolerance) {
   km_sparse *s = p->sparse;
   p->scale = km_max_magnitude(matrix, s->start[p->columns]);
   p->locked_count = 0;
   s->postpones_small = false;
   s->is_basis_any = false;
   p->max_b = 0.0;
-  for (int c = 0; p->locked && c < p->columns; ++c)
-    p->locked_count += p->locked[c];
+  for (int c = 0; c < p->columns; ++c)
+    p->locked_count += km_factor_is_locked(p, c);
   memset(s->is_postponed, 0, (size_t)p->columns * sizeof *s->is_postponed);
   memset(s->is_excluded_row, 0, (size_t)p->rows * sizeof *s->is_excluded_row);
-  s->has_rows_only = p->rows_only && !km_sparse_gram_is_dense(p);
+  s->has_rows_only = p->options.basis == KM_BASIS_NONE && !km_sparse_gram_is_dense(p);
   s->has_normal_only = s->has_rows_only && km_sparse_rows_are_independent(p, matrix, forced, tolerance);
   if (!s->has_normal_only)
     (s->has_rows_only ? find_rows : find_good_columns)(p, matrix, forced, tolerance * p->scale);
-  cache_matrix(p, matrix, forced, tolerance);
 }

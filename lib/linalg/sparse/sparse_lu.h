@@ -8,7 +8,7 @@
 #ifndef KM_LINALG_SPARSE_SPARSE_LU_H
 #define KM_LINALG_SPARSE_SPARSE_LU_H
 
-#include "linalg/partition.h"
+#include "linalg/factor_private.h"
 #include "linalg/sparse/normal_equations.h"
 #include "linalg/sparse/row_storage.h"
 #include "linalg/sparse/sparse_qr.h"
@@ -60,14 +60,8 @@ struct km_sparse {
   bool *is_excluded_row;                    /* [rows] the row must not be primary, since it depends on others */
   km_entry_range *b;                        /* [columns] non-zero entries of column k of B, by step, ascending */
   km_entry_store b_store;                   /* index: step */
-  double *cached_matrix;               /* [entries] matrix factored last, with the arguments below, while is_cached */
-  bool *cached_forced, *cached_locked; /* [columns] forced and locked columns then */
-  double cached_tolerance;
-  unsigned cached_flags;
-  bool is_cached;
   bool is_basis_any; /* the last search ended with independent columns that suffice for minimum-norm steps only */
   km_normal_equations **normal; /* borrowed, shared by all partitions of the pattern; NULL: none */
-  const double *weight;         /* borrowed: column weights of the normal equations */
   bool has_rows_only;           /* only rows were requested: independent columns have no entries of U and no B */
   bool has_normal_only;         /* the rows are independent by their normal equations: there is no L and no U */
   bool is_b_unmeasured;         /* max|B| was not measured with these values */
@@ -78,13 +72,14 @@ struct km_sparse {
  * whole mechanism. */
 enum { KM_SPARSE_MAX_NULL_FILL = 5 };
 
-static inline bool km_sparse_is_locked(const km_partition *p, int c) {
-  return p->locked && p->locked[c];
+/* True if the caller makes the column independent: forced or locked. */
+static inline bool km_sparse_is_preset(const km_factor *p, const bool *forced, int c) {
+  return (forced && forced[c]) || km_factor_is_locked(p, c);
 }
 
-/* True if the caller makes the column independent: forced or locked. */
-static inline bool km_sparse_is_preset(const km_partition *p, const bool *forced, int c) {
-  return (forced && forced[c]) || km_sparse_is_locked(p, c);
+/* True if null vectors can be read. */
+static inline bool km_sparse_has_null_vectors(const km_factor *p) {
+  return !p->sparse->has_rows_only && p->options.basis != KM_BASIS_ENTRIES;
 }
 
 /* Subtracts a step of L, times u, from the accumulator. */
@@ -94,66 +89,65 @@ static inline void km_sparse_subtract(const km_sparse *s, const km_entry_range *
 }
 
 /* Updates the largest and the smallest pivot. */
-static inline void km_sparse_update_pivot_range(km_partition *p, double size) {
+static inline void km_sparse_update_pivot_range(km_factor *p, double size) {
   p->first_pivot = size > p->first_pivot ? size : p->first_pivot;
   p->smallest_pivot = size < p->smallest_pivot ? size : p->smallest_pivot;
 }
 
-void km_sparse_factor(km_partition *partition, const double *matrix, const bool *forced, double tolerance);
-/* True if the present factor belongs to these arguments. */
-bool km_sparse_has_factor(const km_partition *partition, const double *matrix, const bool *forced, double tolerance);
-/* Refactors with the known pivots. False if a value is not finite, out of memory, or a structural zero of the
- * singletons is not 0 and `is_full_pattern` is false. */
-bool km_sparse_refactor(km_partition *partition, const double *matrix, bool is_full_pattern);
+void km_sparse_factor(km_factor *partition, const double *matrix, const bool *forced, double tolerance);
+/* True if the present factor has the basis that is needed. */
+bool km_sparse_is_basis_sufficient(const km_factor *partition, km_factor_basis basis);
+/* Refactors with the known pivots; where a structural zero of the singletons filled in, on the full pattern. False if a
+ * value is not finite, or out of memory. */
+bool km_sparse_refactor(km_factor *partition, const double *matrix);
 /* Eliminates with the known pivots in their order, without assumed zeros. False if a pivot is 0 or out of memory. */
-bool km_sparse_refactor_full_pattern(km_partition *partition, const double *matrix);
+bool km_sparse_refactor_full_pattern(km_factor *partition, const double *matrix);
 /* Chooses the independent columns by complete pivoting of the null vectors and postpones them. Returns true if they
  * differ from the present ones. */
-bool km_sparse_choose_independent(km_partition *partition, const bool *forced);
-void km_sparse_solve(const km_partition *partition, const double *rhs, double *x);
+bool km_sparse_choose_independent(km_factor *partition, const bool *forced);
+void km_sparse_solve(const km_factor *partition, const double *rhs, double *x);
 /* y <- U⁻¹ y, by step. */
-void km_sparse_solve_upper(const km_partition *partition, double *y);
+void km_sparse_solve_upper(const km_factor *partition, double *y);
 /* Hidden dependence: pivot column that depends on the others to the threshold without a small pivot; -1: none. */
-int km_sparse_hidden_column(const km_partition *partition, const bool *forced, double threshold);
+int km_sparse_hidden_column(const km_factor *partition, const bool *forced, double threshold);
 /* Hidden dependence of rows, over all columns that may be pivots; -1: none. */
-int km_sparse_hidden_row(const km_partition *partition, const double *matrix, const bool *forced, double threshold);
+int km_sparse_hidden_row(const km_factor *partition, const double *matrix, const bool *forced, double threshold);
 /* Excludes rows that depend on others to the threshold, by sparse QR over all columns that may be pivots. False if
  * there are none, without SPQR, or out of memory. */
-bool km_sparse_find_dependent_rows(km_partition *partition, const double *matrix, const bool *forced, double threshold);
+bool km_sparse_find_dependent_rows(km_factor *partition, const double *matrix, const bool *forced, double threshold);
 /* True if all rows are independent to the tolerance over all columns that may be pivots, by their normal equations;
  * then that is the partition's result. False also without normal equations. */
-bool km_sparse_rows_are_independent(km_partition *partition, const double *matrix, const bool *forced,
-                                    double tolerance);
+bool km_sparse_rows_are_independent(km_factor *partition, const double *matrix, const bool *forced, double tolerance);
 /* Reserves memory for entries of U and L. False when out of memory. */
 bool km_sparse_reserve_factor(km_sparse *sparse, int upper, int lower);
 bool km_sparse_grow(km_sparse *sparse, km_entry_store *store, int need);
 /* Takes column singletons as the first pivots: columns with one entry in open rows, which eliminate nothing. Preset and
  * postponed columns, and entries up to `min_pivot`, are excluded. Returns the number of entries of U. */
-int km_sparse_take_singletons(km_partition *partition, const double *matrix, const bool *forced, double min_pivot);
+int km_sparse_take_singletons(km_factor *partition, const double *matrix, const bool *forced, double min_pivot);
 /* One elimination in the order given by is_postponed and `forced`. */
-void km_sparse_eliminate(km_partition *partition, const double *matrix, const bool *forced, double threshold);
+void km_sparse_eliminate(km_factor *partition, const double *matrix, const bool *forced, double threshold);
 /* max|B_ij| over the independent columns that are not preset; with many entries an estimate of the length of the
  * longest row instead: O(KM_SPARSE_MAX_NULL_FILL entries of the matrix) at most. */
-double km_sparse_estimate_max_b(const km_partition *partition, const bool *forced);
+double km_sparse_estimate_max_b(const km_factor *partition, const bool *forced);
 /* Computes the columns of B, or max|B_ij| only. Ends at a column that is not preset with an entry beyond `most`, since
  * other columns are tried then. False if a value is not finite. */
-bool km_sparse_find_b(km_partition *partition, const bool *forced, double most);
+bool km_sparse_find_b(km_factor *partition, const bool *forced, double most);
 /* max|B_ij| of the present values, as km_sparse_find_b computes it. */
-double km_sparse_current_max_b(const km_partition *partition);
+double km_sparse_current_max_b(const km_factor *partition);
 /* Σ over all columns of (entries in primary rows)²: bound of the entries of the rows' Gram matrix and of their QR. */
-double km_sparse_gram_cost(const km_partition *partition);
+double km_sparse_gram_cost(const km_factor *partition);
 /* Σ over all columns of (entries)², over all rows. */
-double km_sparse_full_gram_cost(const km_partition *partition);
+double km_sparse_full_gram_cost(const km_factor *partition);
 /* True if the Gram matrix of the rows would be dense, because columns have many entries. */
-bool km_sparse_gram_is_dense(const km_partition *partition);
+bool km_sparse_gram_is_dense(const km_factor *partition);
 /* Pseudo-random weight of magnitude 1 to 2, of either sign. */
 double km_sparse_random_weight(int index, int probe);
 /* Entries of column k of B in b_store, valid until the next column is computed. O(entries of U). */
-km_entry_range km_sparse_b(const km_partition *partition, int k);
+km_entry_range km_sparse_b(const km_factor *partition, int k);
 /* Column k of B as a dense vector, in `work`. */
-const double *km_sparse_gather_b(const km_partition *partition, int k);
-double km_sparse_multiplications(const km_partition *p);
-void km_sparse_copy(km_partition *to, const km_partition *from);
+const double *km_sparse_gather_b(const km_factor *partition, int k);
+double km_sparse_multiplications(const km_factor *p);
+void km_sparse_copy(km_factor *to, const km_factor *from);
 
 /* Copies row `row` of the matrix, over the column weights (NULL: 1), to column k of `out`, without columns that have
  * left_out[column] set. */
@@ -161,12 +155,12 @@ void km_sparse_fill_row(const km_sparse *s, const double *matrix, const double *
                         int k, km_columns out);
 /* Normal equations of the partition, created at the first call. NULL if there is no memory for them or they would fill
  * in. */
-km_normal_equations *km_sparse_create_normal(const km_partition *p);
+km_normal_equations *km_sparse_create_normal(const km_factor *p);
 /* Factors the normal equations of the primary rows in the dependent and the first `count` independent columns. NULL if
  * they are not available, would fill in, or are too ill-conditioned. */
-km_normal_equations *km_sparse_normal(const km_partition *p, const double *matrix, const double *weight, int count);
+km_normal_equations *km_sparse_normal(const km_factor *p, const double *matrix, int count);
 
-/* Reserves the arrays of a sparse partition with the pattern of `pattern`. False when out of memory. */
-bool km_sparse_reserve(km_partition *p, const km_sparse *pattern, int rows, int columns, km_arena *arena);
+/* Creates a sparse factor with the pattern of `pattern`. NULL when out of memory. */
+km_factor *km_sparse_create(const km_sparse *pattern, int rows, int columns, const double *weight, km_arena *arena);
 
 #endif

@@ -33,7 +33,6 @@ static bool reserve_arrays(km_sparse *s, int rows, int columns, km_arena *arena)
                    .row_start = s->row_start,
                    .order = s->order,
                    .normal = s->normal,
-                   .weight = s->weight,
                    .factor_order = KM_ARENA_NEW(arena, int, c),
                    .singleton_zero = KM_ARENA_NEW(arena, int, (size_t)s->start[columns]),
                    .open_entries = KM_ARENA_NEW(arena, km_open_entries, c),
@@ -48,45 +47,34 @@ static bool reserve_arrays(km_sparse *s, int rows, int columns, km_arena *arena)
                    .stack = KM_ARENA_NEW(arena, int, r),
                    .stack_position = KM_ARENA_NEW(arena, int, r),
                    .visited = KM_ARENA_NEW(arena, bool, r),
-                   .cached_matrix = KM_ARENA_NEW(arena, double, (size_t)s->start[columns]),
-                   .cached_forced = KM_ARENA_NEW(arena, bool, c),
-                   .cached_locked = KM_ARENA_NEW(arena, bool, c),
                    .is_excluded_row = KM_ARENA_NEW(arena, bool, r)};
   return !arena->failed;
 }
 
-bool km_sparse_reserve(km_partition *p, const km_sparse *pattern, int rows, int columns, km_arena *arena) {
-  size_t r = (size_t)rows, c = (size_t)columns;
-  *p = (km_partition){.row = KM_ARENA_NEW(arena, int, r),
-                      .column = KM_ARENA_NEW(arena, int, c),
-                      .inverse = KM_ARENA_NEW(arena, double, r < c ? r : c),
-                      .work = KM_ARENA_NEW(arena, double, r < c ? c : r),
-                      .sparse = KM_ARENA_NEW(arena, km_sparse, 1)};
-  if (arena->failed)
-    return false;
-  *p->sparse = *pattern;
-  return reserve_arrays(p->sparse, rows, columns, arena);
+km_factor *km_sparse_create(const km_sparse *pattern, int rows, int columns, const double *weight, km_arena *arena) {
+  km_factor *p = km_factor_allocate(rows, columns, pattern->start[columns], weight, arena);
+  km_sparse *s = KM_ARENA_NEW(arena, km_sparse, 1);
+  if (!p || !s)
+    return NULL;
+  *s = *pattern;
+  p->sparse = s;
+  return reserve_arrays(s, rows, columns, arena) ? p : NULL;
 }
 
-bool km_partition_reserve_sparse(km_partition *p, int rows, int columns, const int *start, const int *row,
-                                 km_arena *arena) {
+km_factor *km_factor_create_sparse(int rows, int columns, const int *start, const int *row, const double *weight,
+                                   km_arena *arena) {
   int *order = KM_ARENA_NEW(arena, int, (size_t)columns + 1), *row_start = KM_ARENA_NEW(arena, int, (size_t)rows + 2);
   km_row_entry *by_row = KM_ARENA_NEW(arena, km_row_entry, (size_t)start[columns]);
   km_sparse pattern = {.start = start, .row = row, .by_row = by_row, .row_start = row_start, .order = order};
   if (!arena->failed)
     km_create_row_storage(rows, columns, start, row, row_start, by_row);
-  if (arena->failed || !order_columns(rows, columns, start, row, order)) {
-    arena->failed = true;
-    return false;
-  }
-  return km_sparse_reserve(p, &pattern, rows, columns, arena);
+  arena->failed = arena->failed || !order_columns(rows, columns, start, row, order);
+  return arena->failed ? NULL : km_sparse_create(&pattern, rows, columns, weight, arena);
 }
 
-void km_partition_set_normal_equations(km_partition *p, km_normal_equations **normal, const double *weight) {
-  if (!p->sparse)
-    return;
-  p->sparse->normal = normal;
-  p->sparse->weight = weight;
+void km_factor_share_normal_equations(km_factor *p, km_normal_equations **normal) {
+  if (p->sparse)
+    p->sparse->normal = normal;
 }
 
 /* Grows both arrays of a store. */

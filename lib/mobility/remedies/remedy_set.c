@@ -53,16 +53,16 @@ static bool search_here(set_search *f, int index, km_arena *arena) {
   km_left_space space;
   km_left_null null;
   km_remedy_search found;
-  const km_partition *p = &f->s->partition[index];
+  const km_factor *p = f->s->factor[index];
   const km_topology *t = &f->m->topology;
   const km_substructure *sub = &f->m->substructures[index];
-  f->out->mobility += km_partition_freedom(p);
+  f->out->mobility += km_factor_freedom(p);
   for (int i = t->joint_start[index]; i < t->joint_start[index + 1]; ++i) {
     const km_model_joint *joint = &f->m->model->joints[t->joint[i]];
     for (int c = joint->first_coordinate; c < joint->first_coordinate + km_model_freedom(f->m->model, t->joint[i]); ++c)
       f->values[c] = km_state_coordinate(f->s, c);
   }
-  int redundant = 6 * sub->loop_count + sub->coupling_count - p->rank;
+  int redundant = 6 * sub->loop_count + sub->coupling_count - km_factor_rank(p);
   f->out->redundant += redundant;
   if ((double)redundant * (t->joint_start[index + 1] - t->joint_start[index]) > KM_MAX_SET_SIZE) {
     f->out->is_too_large = true;

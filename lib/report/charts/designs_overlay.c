@@ -1,4 +1,5 @@
 /* A question's answers for the designs of a study over each other. */
+#include "question/question.h"
 #include "report/charts/designs_plot.h"
 #include "report/charts/question_plot.h"
 #include "report/charts/table_plot.h"
@@ -22,12 +23,13 @@ static void overlay_free(overlay *v) {
   km_free(v);
 }
 
-/* Adds a design's answer, if it has one. False when out of memory. */
+/* Adds a design's answer, if it has one with curves. False when out of memory. */
 static bool add(overlay *v, const km_designs_shown *p, int design, int question, const char *name) {
   km_evaluated_design *a = &v->asked[v->count];
   km_status status = km_design_study_evaluate(p->study, design, question, a, NULL);
   const char *kept = km_arena_string(&v->arena, name);
-  if ((status != KM_OK && status != KM_PARTIAL) || km_table_rows(km_question_table(a->question)) == 0) {
+  if ((status != KM_OK && status != KM_PARTIAL) || km_table_rows(km_question_table(a->question)) == 0 ||
+      a->question->kind->is_space) {
     km_evaluated_design_free(a);
     return status != KM_MEMORY;
   }

@@ -27,6 +27,8 @@ km_value *km_record_head(const km_mechanism *m, const char *tool, const char *na
 }
 
 void km_table_record(const km_table *table, km_value *record, km_arena *arena) {
+  if (!table || !record || !arena)
+    return;
   km_value *columns = km_value_add(arena, record, "columns", KM_LIST);
   for (size_t c = 0; c < km_table_columns(table) && !arena->failed; ++c) {
     km_value *column = km_value_add(arena, columns, NULL, KM_OBJECT);

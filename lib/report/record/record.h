@@ -8,8 +8,6 @@
 
 /* `model_sha256` and `units`. */
 void km_record_model(const km_model *model, km_value *record, km_arena *arena);
-/* `columns` and `rows`. */
-void km_table_record(const km_table *table, km_value *record, km_arena *arena);
 /* Adds the course of the motion: branch_points, cycle, complete, stopped_by. */
 void km_sweep_record(const km_sweep *sweep, const char *stopped_by, km_value *record, km_arena *arena);
 

@@ -4,13 +4,10 @@
  *   min d_i  minima of the least clearance between samples: it has corners, where another pair becomes the nearest */
 #include "sweep/clearance/clearance_search.h"
 
+#include "base/number/tolerances.h"
 #include "kinematics/body_poses.h"
 
 #include <math.h>
-
-/* Part of the characteristic length to which clearances count as equal, and a dip touches 0: events are located to
- * that. */
-static const double graze = 1e-9;
 
 static double compute(km_clearance_search *w, km_sweeper *r, int *nearest) {
   km_poses_compute(r->m, r->s);
@@ -125,7 +122,7 @@ static void take_sample(km_clearance_search *w, double s) {
 km_status km_clearance_search_sample(km_clearance_search *w, km_sweeper *r, double s, km_error *error) {
   if (w->count == 0 || !w->contacts.events)
     return KM_OK;
-  w->contacts.zero = graze * r->m->length;
+  w->contacts.zero = km_relative_zero * r->m->length;
   km_status status = km_event_search_sample(&w->contacts, r, s, error);
   if (status)
     return status;

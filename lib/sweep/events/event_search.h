@@ -20,9 +20,6 @@ typedef struct km_event {
   double s, value;
 } km_event;
 
-/* Relative distance of events that are one: each is located to 1e-9 of its position. */
-static const double km_same_position = 1e-8;
-
 typedef struct km_events {
   km_event *items;
   size_t count, capacity;

@@ -5,9 +5,6 @@
 
 #include <string.h>
 
-/* A step nearer to a row than this part of the interval counts as the row itself. */
-static const double same_position = 1e-6;
-
 void km_sample_window_free(km_sample_window *w) {
   km_free(w->s);
   km_free(w->value);
@@ -61,7 +58,7 @@ double *km_sample_window_row(km_sample_window *w, double s) {
   w->last = w->row - first;
   w->row = w->last + 1;
   while (w->last >= 0 && w->row < w->count &&
-         distance_ahead(w, s, w->row) > same_position * distance_ahead(w, s, w->row - 1))
+         distance_ahead(w, s, w->row) > km_same_position * distance_ahead(w, s, w->row - 1))
     ++w->row;
   int behind = w->row;
   while (behind < w->count && distance_ahead(w, s, behind) >= 0.0)

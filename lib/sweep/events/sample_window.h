@@ -6,6 +6,10 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+/* Relative distance of positions that are one: an event is located to 1e-9 of its position, and a step so near to a row
+ * counts as the row. */
+static const double km_same_position = 1e-8;
+
 typedef struct km_sample_window {
   size_t width;      /* values in a sample */
   double sense;      /* sign of s along the sweep, ±1 */

@@ -2,7 +2,7 @@
  * against LAPACK's singular values. */
 #include "target.h"
 
-#include "linalg/partition.h"
+#include "linalg/factor_private.h"
 
 #include <lapacke.h>
 #include <math.h>
@@ -74,7 +74,7 @@ static int true_rank(const double *J, int rows, int columns) {
 }
 
 /* J N = 0 with N = [−B; I]. */
-static void check_null(const km_partition *p, const double *J) {
+static void check_null(const km_factor *p, const double *J) {
   bool met[MOST] = {false};
   for (int i = 0; i < p->columns; ++i) {
     if (p->column[i] < 0 || p->column[i] >= p->columns || met[p->column[i]])
@@ -83,7 +83,7 @@ static void check_null(const km_partition *p, const double *J) {
   }
   double allowed = 1e-10 * p->scale * (1.0 + p->max_b);
   for (int i = p->rank; i < p->columns; ++i) {
-    const double *b = km_partition_b(p, i - p->rank);
+    const double *b = km_factor_b(p, i - p->rank);
     for (int r = 0; r < p->rows; ++r) {
       double sum = J[p->column[i] * p->rows + r];
       for (int k = 0; k < p->rank; ++k)
@@ -94,9 +94,9 @@ static void check_null(const km_partition *p, const double *J) {
   }
 }
 
-static void judge(km_partition *p, const double *stored, const double *J, int rows, int columns, const bool *forced) {
+static void judge(km_factor *p, const double *stored, const double *J, int rows, int columns, const bool *forced) {
   int rank = true_rank(J, rows, columns);
-  km_partition_factor(p, stored, rows, columns, forced, 1e-9);
+  km_factor_compute(p, stored, rows, columns, &(km_factor_options){.tolerance = 1e-9, .forced = forced});
   if (p->failed || p->rank < 0 || p->rank > (rows < columns ? rows : columns))
     fuzz_fail("a rank that can't be");
   if (rank < 0)
@@ -108,7 +108,7 @@ static void judge(km_partition *p, const double *stored, const double *J, int ro
   if (!forced && !p->sparse && !(p->max_b <= exp2(rank) * (1.0 + 1e-9)))
     fuzz_fail("complete pivoting lets |B| grow");
   check_null(p, J);
-  if (!km_partition_refactor(p, stored))
+  if (!km_factor_refactor(p, stored, KM_BASIS_SHORT))
     fuzz_fail("the same values don't go by the same pivots");
   if (p->rank != rank)
     fuzz_fail("the same pivots give another rank");
@@ -131,12 +131,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   if (flags % 4 == 1)
     forced[flags / 4 % columns] = true;
   km_arena arena = {0};
-  km_partition dense = {0}, sparse = {0};
-  if (!km_partition_reserve(&dense, rows, columns, &arena) ||
-      !km_partition_reserve_sparse(&sparse, rows, columns, start, row, &arena))
+  km_factor *dense = km_factor_create(rows, columns, NULL, &arena);
+  km_factor *sparse = km_factor_create_sparse(rows, columns, start, row, NULL, &arena);
+  if (!dense || !sparse)
     fuzz_fail("no memory for a small matrix");
-  judge(&dense, J, J, rows, columns, flags % 4 == 1 ? forced : NULL);
-  judge(&sparse, J, J, rows, columns, flags % 4 == 1 ? forced : NULL);
+  judge(dense, J, J, rows, columns, flags % 4 == 1 ? forced : NULL);
+  judge(sparse, J, J, rows, columns, flags % 4 == 1 ? forced : NULL);
   km_arena_free(&arena);
   return 0;
 }

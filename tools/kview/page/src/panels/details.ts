@@ -5,6 +5,7 @@ import { Forces } from "../protocol";
 import { Store } from "../store";
 import { ArmPanel } from "./arm";
 import { parameters, variants } from "./design";
+import { MapPanel } from "./map";
 import { typeOf } from "./tree";
 
 type Fact = [string, string | HTMLElement];
@@ -21,6 +22,7 @@ export class Details {
   private lever = el("output", { class: "big" });
   private stamp = "";
   private arm = new ArmPanel(this.store, () => this.explain());
+  private map = new MapPanel(this.store, () => this.explain());
 
   constructor(private store: Store, private stopSwing: () => void) {
     this.node.append(this.whole, this.chosen, this.why);
@@ -155,7 +157,7 @@ export class Details {
       const [input, output] = store.ends.map((c) => model.coordinates[c].label);
       parts.push(el("div", { class: "group" }, el("h2", { text: `Leverage ${input} over ${output}` }), this.lever));
     }
-    if (!store.link.recorded) parts.push(parameters(store), this.motions(), this.arm.node(), this.redundancies(), this.forces(), this.modes(), variants(store));
+    if (!store.link.recorded) parts.push(parameters(store), this.motions(), this.arm.node(), this.map.node(), this.redundancies(), this.forces(), this.modes(), variants(store));
     replace(this.why, ...parts);
   }
 

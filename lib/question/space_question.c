@@ -1,0 +1,328 @@
+/* Requests of kinds "modes" and "map": whole configuration spaces, without a motion (docs/theory.md 4.15, 4.19).
+ *
+ *   modes : a row for each assembly mode with some joints locked; "max mode" and "max circuit" are their numbers
+ *   map   : a row for each grid point over two drivers, on the sheet of the state. reached = 1, or 0 where the sheet
+ *           doesn't come; sigma.input, sigma.output and manipulability are then 0, as at a singularity. "mean reached"
+ *           is the share of the range that is free of singularities of the drivers */
+#include "kmech/inspect.h"
+#include "kmech/space.h"
+#include "question/question.h"
+
+#include <math.h>
+#include <string.h>
+
+enum {
+  SEED = 1,
+  MAP_STEPS = 40,
+  FIRST = 3 /* columns of a map before those of the cells */
+};
+
+enum { MODES_JOINTS, MODES_LIMITS, MODES_OPTIONS };
+
+static const km_option modes_options[MODES_OPTIONS] = {
+    {"joints", KM_OPTION_COORDINATES, "JOINT", "", "the driver of the model's analysis.sweep, if it is in a loop",
+     "Joints that keep their values", 0, 0, NULL, false},
+    {"limits", KM_OPTION_FLAG, NULL, "", NULL, "Modes within the joint limits only", 0, 0, NULL, false},
+};
+
+enum { MAP_JOINTS, MAP_FIRST_RANGE, MAP_SECOND_RANGE, MAP_GRID, MAP_POINT, MAP_OPTIONS };
+
+static const km_option map_options[MAP_OPTIONS] = {
+    {"joints", KM_OPTION_COORDINATES, "JOINT", "", "the two joints of the model's analysis.actuators", "Both drivers",
+     0, 0, NULL, false},
+    {"first-range", KM_OPTION_RANGE, "FROM:TO", "driver's", "the joint's limits, or a full turn",
+     "Range of the first driver in the model's unit", 0, 0, NULL, false},
+    {"second-range", KM_OPTION_RANGE, "FROM:TO", "driver's", "the joint's limits, or a full turn",
+     "Range of the second driver", 0, 0, NULL, false},
+    {"steps", KM_OPTION_WHOLE, "N", "", "40", "Intervals of both ranges", 1, KM_MAX_MAP_STEPS, NULL, false},
+    {"point", KM_OPTION_POINTS, "BODY/FRAME", "", NULL,
+     "Add the place of a point of a planar mechanism and its "
+     "Jacobian's figures",
+     0, 0, NULL, false},
+};
+
+typedef struct kind_data {
+  km_table *table;
+  km_mode_gap gap;      /* gap of a list of modes */
+  bool is_lost;         /* circuits may be connected */
+  km_space_map_def def; /* definition of a map */
+} kind_data;
+
+static km_status no_memory(km_error *error) {
+  return km_fail(error, KM_MEMORY, "out of memory for a configuration space");
+}
+
+/* ---- Assembly modes. */
+
+/* Joints that keep their values: those of the option, else the sweep's driver. */
+static int count_locked(const km_question *q, const int **locked, int *driver) {
+  const km_option_value *joints = km_question_own_value(q, MODES_JOINTS);
+  *driver = km_model_sweep_coordinate(q->m->model);
+  *locked = joints ? joints->coordinates : driver;
+  if (joints)
+    return joints->count;
+  return *driver >= 0 && !q->m->held[*driver] && q->m->column_of[*driver] >= 0;
+}
+
+static bool add_coordinate_columns(const km_question *q, const char *prefix, bool has_units, km_table *table) {
+  km_text name = {0};
+  bool is_ok = true;
+  for (int c = 0; is_ok && c < q->m->coordinate_count; ++c) {
+    name.size = 0;
+    km_text_format(&name, "%s.%s", prefix, q->m->model->coordinates[c].label);
+    is_ok = !name.failed &&
+            km_table_add_column(table, name.data, has_units ? km_model_coordinate_unit(q->m->model, c) : "") >= 0;
+  }
+  km_text_free(&name);
+  return is_ok;
+}
+
+static bool fill_modes(const km_question *q, const km_all_modes *modes, const km_mode_circuits *circuits,
+                       km_table *table) {
+  static const char *const first[] = {"step", "s", "mode", "circuit"};
+  bool is_ok = table != NULL;
+  for (size_t k = 0; is_ok && k < sizeof first / sizeof *first; ++k)
+    is_ok = km_table_add_column(table, first[k], "") >= 0;
+  is_ok = is_ok && add_coordinate_columns(q, "q", true, table) && add_coordinate_columns(q, "m", false, table) &&
+          km_table_add_column(table, "dof", "") >= 0;
+  size_t n = (size_t)q->m->coordinate_count;
+  for (int i = 0; is_ok && i < modes->count; ++i) {
+    double *row = km_table_add_row(table);
+    is_ok = row != NULL;
+    if (!is_ok)
+      break;
+    *row++ = i;
+    *row++ = i + 1;
+    *row++ = i + 1;
+    *row++ = circuits->count > 0 ? circuits->circuit[i] : nan("");
+    memcpy(row, modes->coordinates + (size_t)i * n, n * sizeof *row);
+    memcpy(row + n, modes->mobility_numbers + (size_t)i * n, n * sizeof *row);
+    row[2 * n] = modes->evidence[i].mobility;
+  }
+  return is_ok;
+}
+
+static km_status answer_modes(km_question *q, km_state *s, km_error *error) {
+  kind_data *o = q->kind_data;
+  const km_option_value *limits = km_question_own_value(q, MODES_LIMITS);
+  int driver;
+  km_all_modes_def def = {.within_limits = limits && limits->flag, .seed = SEED};
+  km_all_modes modes = {0};
+  km_mode_circuits circuits = {0};
+  def.locked_count = count_locked(q, &def.locked, &driver);
+  km_status status = km_all_modes_find(q->m, s, &def, q->progress, q->context, &modes, error);
+  if (!status)
+    status = km_mode_circuits_find(q->m, s, &def, &modes, q->progress, q->context, &circuits, error);
+  if (!status) {
+    o->gap = modes.gap;
+    o->is_lost = circuits.gap == KM_CIRCUIT_GAP_LOST;
+    o->table = km_table_create();
+    if (!fill_modes(q, &modes, &circuits, o->table))
+      status = no_memory(error);
+    else if (!modes.is_complete || o->is_lost)
+      status = KM_PARTIAL;
+  }
+  km_mode_circuits_free(&circuits);
+  km_all_modes_free(&modes);
+  return status;
+}
+
+static void end_of_modes(const km_question *q, km_text *out) {
+  const kind_data *o = q->kind_data;
+  if (o->gap != KM_GAP_NONE)
+    km_text_format(out, "the list of assembly modes may lack some: %s", km_mode_gap_name(o->gap));
+  else if (o->is_lost)
+    km_text_add(out, "a circuit wasn't followed to its end");
+}
+
+/* ---- A map. */
+
+/* Range of a driver: the option's, else the limits, else a full turn. */
+static km_status read_range(const km_question *q, int option, km_space_axis *axis, km_error *error) {
+  const km_option_value *range = km_question_own_value(q, option);
+  const km_model *model = q->m->model;
+  km_model_coordinate_limits(model, axis->coordinate, &axis->from, &axis->to);
+  if (range) {
+    axis->from = range->numbers[0];
+    axis->to = range->numbers[1];
+  } else if (!(isfinite(axis->from) && isfinite(axis->to))) {
+    if (km_model_coordinate_is_length(model, axis->coordinate))
+      return km_fail(error, KM_USAGE, "`%s` is missing, and joint \"%s\" has no limits", map_options[option].name,
+                     model->coordinates[axis->coordinate].label);
+    axis->to = M_PI / km_model_units(model).angle->si;
+    axis->from = -axis->to;
+  }
+  return KM_OK;
+}
+
+static km_status prepare_map(km_question *q, km_error *error) {
+  kind_data *o = q->kind_data;
+  const km_option_value *joints = km_question_own_value(q, MAP_JOINTS), *steps = km_question_own_value(q, MAP_GRID),
+                        *point = km_question_own_value(q, MAP_POINT);
+  const km_model *model = q->m->model;
+  if ((joints ? joints->count : km_model_actuator_count(model)) != 2)
+    return km_fail(error, KM_USAGE, "`joints`: expected the two drivers of a map, or two in analysis.actuators");
+  if (point && point->count != 1)
+    return km_fail(error, KM_USAGE, "`point`: expected one point of a map");
+  o->def = (km_space_map_def){.own_sheet = true, .has_point = point != NULL};
+  if (point) {
+    o->def.frame = point->points[0].frame;
+    o->def.point_name = point->points[0].name;
+  }
+  km_status status = KM_OK;
+  for (int d = 0; d < 2 && !status; ++d) {
+    km_space_axis *axis = &o->def.axis[d];
+    axis->coordinate = joints ? joints->coordinates[d] : km_model_actuator(model, d);
+    axis->steps = steps ? steps->whole : MAP_STEPS;
+    status = read_range(q, d == 0 ? MAP_FIRST_RANGE : MAP_SECOND_RANGE, axis, error);
+  }
+  return status;
+}
+
+/* Columns that are 0 where the sheet doesn't come. */
+static bool is_zero_at_singularity(const char *name) {
+  return strcmp(name, "sigma.input") == 0 || strcmp(name, "sigma.output") == 0 || strcmp(name, "manipulability") == 0;
+}
+
+static double axis_value(const km_space_axis *axis, int i) {
+  return axis->from + (axis->to - axis->from) * i / axis->steps;
+}
+
+/* Fills rows[grid point] with the row of the cells there; -1: the sheet doesn't come. */
+static void index_cells(const km_space_map_def *def, const km_table *cells, int points, int *rows) {
+  for (int p = 0; p < points; ++p)
+    rows[p] = -1;
+  for (size_t r = 0; r < km_table_rows(cells); ++r) {
+    int at[2];
+    for (int d = 0; d < 2; ++d) {
+      const km_space_axis *a = &def->axis[d];
+      at[d] = (int)round((km_table_row(cells, r)[d] - a->from) / (a->to - a->from) * a->steps);
+    }
+    rows[at[1] * (def->axis[0].steps + 1) + at[0]] = (int)r;
+  }
+}
+
+static bool add_map_columns(const km_table *cells, km_table *table) {
+  static const char *const first[FIRST] = {"step", "s", "reached"};
+  bool is_ok = table != NULL;
+  for (size_t k = 0; is_ok && k < FIRST; ++k)
+    is_ok = km_table_add_column(table, first[k], "") >= 0;
+  for (size_t c = 0; is_ok && c < km_table_columns(cells); ++c)
+    is_ok = km_table_add_column(table, km_table_name(cells, c), km_table_unit(cells, c)) >= 0;
+  return is_ok;
+}
+
+/* Adds the row of a grid point: step, s, reached, then the cell, whose first columns are the drivers. cell: NULL, the
+ * sheet doesn't come. */
+static bool add_map_row(const km_space_map_def *def, const km_table *cells, int point, const double *cell,
+                        km_table *table) {
+  int across = def->axis[0].steps + 1;
+  size_t width = km_table_columns(cells);
+  double *row = km_table_add_row(table);
+  if (!row)
+    return false;
+  row[0] = row[1] = point;
+  row[2] = cell != NULL;
+  for (size_t c = 0; c < width; ++c)
+    row[FIRST + c] = cell ? cell[c] : is_zero_at_singularity(km_table_name(cells, c)) ? 0.0 : nan("");
+  row[FIRST] = axis_value(&def->axis[0], point % across);
+  row[FIRST + 1] = axis_value(&def->axis[1], point / across);
+  return true;
+}
+
+static bool fill_map(const km_space_map_def *def, const km_table *cells, km_table *table) {
+  int points = (def->axis[0].steps + 1) * (def->axis[1].steps + 1);
+  int *rows = KM_NEW(int, (size_t)points);
+  bool is_ok = rows && add_map_columns(cells, table);
+  if (rows)
+    index_cells(def, cells, points, rows);
+  for (int p = 0; is_ok && p < points; ++p)
+    is_ok = add_map_row(def, cells, p, rows[p] >= 0 ? km_table_row(cells, (size_t)rows[p]) : NULL, table);
+  km_free(rows);
+  return is_ok;
+}
+
+/* The sheet of the state: a list of modes that has it alone. */
+static km_status answer_map(km_question *q, km_state *s, km_error *error) {
+  kind_data *o = q->kind_data;
+  km_space_map map = {0};
+  km_all_modes own = {.count = 1, .coordinates = KM_NEW(double, (size_t)q->m->coordinate_count + 1)};
+  km_status status = own.coordinates ? km_state_coordinates(q->m, s, own.coordinates, error) : no_memory(error);
+  if (!status)
+    status = km_space_map_compute(q->m, s, &o->def, &own, q->progress, q->context, &map, error);
+  if (!status) {
+    o->table = km_table_create();
+    if (!fill_map(&o->def, map.cells, o->table))
+      status = no_memory(error);
+  }
+  km_free(own.coordinates);
+  km_space_map_free(&map);
+  return status;
+}
+
+/* A map is complete. */
+static void end_of_map(const km_question *q, km_text *out) {
+  (void)q;
+  (void)out;
+}
+
+/* ---- Both. */
+
+static const km_table *table(const km_question *q) {
+  return ((const kind_data *)q->kind_data)->table;
+}
+
+static int planned_rows(const km_question *q) {
+  return (int)km_table_rows(table(q));
+}
+
+static double planned_place(const km_question *q, int row) {
+  return row >= 0 && row < planned_rows(q) ? km_table_row(table(q), (size_t)row)[1] : nan("");
+}
+
+/* A space has no events. */
+static int event_count(const km_question *q) {
+  (void)q;
+  return 0;
+}
+
+static km_question_event event(const km_question *q, int index) {
+  (void)q;
+  (void)index;
+  return (km_question_event){"", "", nan(""), nan("")};
+}
+
+static void clear_result(km_question *q) {
+  kind_data *o = q->kind_data;
+  km_table_free(o->table);
+  o->table = NULL;
+}
+
+const km_question_class km_modes_question = {.name = "modes",
+                                             .options = modes_options,
+                                             .option_count = MODES_OPTIONS,
+                                             .size = sizeof(kind_data),
+                                             .is_space = true,
+                                             .answer = answer_modes,
+                                             .table = table,
+                                             .planned_rows = planned_rows,
+                                             .planned_place = planned_place,
+                                             .end_reason = end_of_modes,
+                                             .event_count = event_count,
+                                             .event = event,
+                                             .clear_result = clear_result};
+
+const km_question_class km_map_question = {.name = "map",
+                                           .options = map_options,
+                                           .option_count = MAP_OPTIONS,
+                                           .size = sizeof(kind_data),
+                                           .is_space = true,
+                                           .prepare = prepare_map,
+                                           .answer = answer_map,
+                                           .table = table,
+                                           .planned_rows = planned_rows,
+                                           .planned_place = planned_place,
+                                           .end_reason = end_of_map,
+                                           .event_count = event_count,
+                                           .event = event,
+                                           .clear_result = clear_result};
