@@ -9,7 +9,7 @@
 #include <string.h>
 
 enum { CHORDS = 4 /* of a segment */, RASTER = 100, MOST_SQUARES = 20000, ROUNDS = 4 };
-static const double accuracy = 1e-6; /* of the radius, by the extent */
+static const double accuracy = 1e-5; /* of the radius, by the extent */
 
 /* A square of the plane. */
 typedef struct plane_square {
@@ -75,8 +75,12 @@ static bool extent(const km_curve_net *net, const int *jump, double *low, double
 /* Bounds a square, and notes the circle around its centre if it is the largest so far. */
 static void visit(const km_curve_net *net, const int *jump, plane_square *s, double *centre, double *radius) {
   double d = km_curve_net_distance(net, jump, s->centre);
+  s->bound = d + sqrt(2.0) * s->half;
+  if (s->bound <= *radius)
+    return;
   bool is_inside = km_curve_net_count(net, jump, s->centre) > 0;
-  s->bound = (is_inside ? d : -d) + sqrt(2.0) * s->half;
+  if (!is_inside)
+    s->bound -= 2.0 * d;
   if (!is_inside || d <= *radius)
     return;
   *radius = d;

@@ -1,5 +1,6 @@
 /* kspace map: sheets over two drivers, singularity curves, and further figures of each cell. */
 #include "kspace/kspace.h"
+#include "kspace/map_answer.h"
 #include "kspace/map_figures.h"
 
 #include "kmech/data.h"
@@ -91,102 +92,6 @@ static kt_exit read_axes(const options *o, const km_model *model, km_space_map_d
   return result;
 }
 
-/* Least and largest finite value of a column over the rows of a sheet. */
-static void range_of(const km_table *table, double sheet, size_t column, double *low, double *high, size_t *rows) {
-  *low = HUGE_VAL;
-  *high = -HUGE_VAL;
-  *rows = 0;
-  for (size_t r = 0; r < km_table_rows(table); ++r) {
-    const double *row = km_table_row(table, r);
-    if (row[2] != sheet)
-      continue;
-    if (isfinite(row[column])) {
-      *low = fmin(*low, row[column]);
-      *high = fmax(*high, row[column]);
-    }
-    ++*rows;
-  }
-}
-
-/* Prints the ranges of the singular values and of the columns behind them. */
-static void print_sheet(const km_space_map *map, int sheet, size_t points, km_text *out) {
-  const km_table *t = map->cells;
-  double low, high;
-  size_t rows, first = km_table_span(t, "sigma.input").first;
-  range_of(t, sheet, first, &low, &high, &rows);
-  if (rows == 0)
-    return;
-  km_text_format(out, "  sheet %d: %zu of %zu grid points", sheet, rows, points);
-  for (size_t c = first; c < km_table_columns(t); ++c) {
-    const char *name = km_table_name(t, c), *unit = km_table_unit(t, c);
-    range_of(t, sheet, c, &low, &high, &rows);
-    if (strcmp(name, "sigma.closure") != 0 && low <= high && (strncmp(name, "point.", 6) != 0 || high - low > 0.0))
-      km_text_format(out, "; %s %.3g to %.3g%s%s", name, low, high, unit && *unit ? " " : "", unit ? unit : "");
-  }
-  km_text_add(out, "\n");
-}
-
-static int count_curves(const km_table *curves, km_curve_kind kind) {
-  int count = 0;
-  for (size_t r = 0; r < km_table_rows(curves); ++r) {
-    const double *row = km_table_row(curves, r);
-    count += (int)row[1] == (int)kind && (r == 0 || km_table_row(curves, r - 1)[0] != row[0]);
-  }
-  return count;
-}
-
-/* Largest circle and rectangle of the aspect in which each is largest, and the area of the whole. */
-static void print_workspace(const options *o, const km_model *model, const km_space_map *map, km_text *out) {
-  const char *length = km_model_units(model).length->suffix;
-  const km_aspect_workspace *circle = NULL, *rectangle = NULL;
-  for (int i = 0; i < map->workspace_count; ++i) {
-    const km_aspect_workspace *at = &map->workspaces[i];
-    if (at->radius > 0.0 && (!circle || at->radius > circle->radius))
-      circle = at;
-    if (at->width > 0.0 && (!rectangle || at->width * at->height > rectangle->width * rectangle->height))
-      rectangle = at;
-  }
-  if (isfinite(map->workspace_area))
-    km_text_format(out, "workspace of %s: area %.6g %s², %d hole%s\n", o->point, map->workspace_area, length,
-                   map->hole_count, map->hole_count == 1 ? "" : "s");
-  else
-    km_text_format(out, "workspace of %s: its outline isn't closed, so a curve is missing\n", o->point);
-  if (circle)
-    km_text_format(out,
-                   "  largest circle without a singularity: radius %.6g %s around %.6g, %.6g, %.6g, in aspect %d\n",
-                   circle->radius, length, circle->circle[0], circle->circle[1], circle->circle[2], circle->aspect);
-  if (rectangle)
-    km_text_format(out, "  largest rectangle: %.6g by %.6g %s around %.6g, %.6g, %.6g, in aspect %d\n",
-                   rectangle->width, rectangle->height, length, rectangle->rectangle[0], rectangle->rectangle[1],
-                   rectangle->rectangle[2], rectangle->aspect);
-  if (map->gap > 0.0 && isfinite(map->gap))
-    km_text_format(out, "  its outline has a gap of %.3g %s, closed by a straight line\n", map->gap, length);
-  if (map->unbounded > 0)
-    km_text_format(out, "  %d grid points lie outside the outline: a curve is missing\n", map->unbounded);
-}
-
-static void print_map(const options *o, const km_model *model, const km_space_map_def *def, const km_all_modes *modes,
-                      const km_space_map *map, km_text *out) {
-  size_t points = (size_t)(def->axis[0].steps + 1) * (size_t)(def->axis[1].steps + 1);
-  int inputs = count_curves(map->curves, KM_CURVE_INPUT);
-  km_text_format(out, "%s: %d sheet%s over %s and %s, from %d assembly mode%s%s\n", o->model, map->sheet_count,
-                 map->sheet_count == 1 ? "" : "s", km_model_coordinate_label(model, def->axis[0].coordinate),
-                 km_model_coordinate_label(model, def->axis[1].coordinate), modes->count, modes->count == 1 ? "" : "s",
-                 modes->is_complete ? "" : " (at least these)");
-  for (int i = 1; i <= modes->count + map->sheet_count; ++i)
-    print_sheet(map, i, points, out);
-  km_text_format(out, "%d singularity curve%s of the drivers bound%s them", inputs, inputs == 1 ? "" : "s",
-                 inputs == 1 ? "s" : "");
-  if (def->has_point) {
-    int outputs = count_curves(map->curves, KM_CURVE_OUTPUT);
-    km_text_format(out, "; %d of the output: %s can't move in some direction there", outputs, o->point);
-    km_text_format(out, "; %d aspect%s free of both", map->aspect_count, map->aspect_count == 1 ? "" : "s");
-  }
-  km_text_format(out, "; %zu points\n", km_table_rows(map->curves));
-  if (def->has_point)
-    print_workspace(o, model, map, out);
-}
-
 static kt_exit compute(const options *o, const kt_pose *pose, const km_space_map_def *def, km_all_modes *modes,
                        km_space_map *map) {
   const int locked[2] = {def->axis[0].coordinate, def->axis[1].coordinate};
@@ -224,14 +129,15 @@ static kt_exit write_picture(const options *o, const kt_pose *pose, const km_spa
   return result;
 }
 
-static kt_exit write_files(const options *o, const kt_pose *pose, const km_space_map_def *def,
-                           const km_space_map *map) {
+static kt_exit write_files(const options *o, const kt_pose *pose, const km_space_map_def *def, const km_space_map *map,
+                           const km_text *record) {
   kt_exit result = KT_DONE;
   for (int format = 0; result == KT_DONE && format < KT_FORMATS; ++format) {
     if (!o->formats.wanted[format])
       continue;
     if (format != KT_CSV) {
-      result = write_picture(o, pose, def, map, (kt_format)format);
+      result = format == KT_JSON ? kt_write(&o->common, o->base, "map", "json", record)
+                                 : write_picture(o, pose, def, map, (kt_format)format);
       continue;
     }
     result = kspace_write_csv(&o->common, o->base, map->cells, "map");
@@ -240,6 +146,26 @@ static kt_exit write_files(const options *o, const kt_pose *pose, const km_space
     if (result == KT_DONE && map->boundary)
       result = kspace_write_csv(&o->common, o->base, map->boundary, "boundary");
   }
+  return result;
+}
+
+/* Writes the files of -o, and prints the text, or the record if it is requested and has no file. */
+static kt_exit deliver(const options *o, const kt_pose *pose, const km_space_map_def *def, const km_all_modes *modes,
+                       const km_space_map *map) {
+  km_arena arena = {0};
+  km_text text = {0}, json = {0};
+  bool wants_record = o->formats.wanted[KT_JSON];
+  if (wants_record)
+    km_json_write(kspace_map_record(pose, o->model, def, modes, map, &arena), &json);
+  kspace_print_map(pose->model, o->model, def, modes, map, &text);
+  kt_exit result = arena.failed || json.failed || text.failed ? KT_NO_MEMORY : KT_DONE;
+  if (result == KT_DONE && o->base)
+    result = write_files(o, pose, def, map, &json);
+  if (result == KT_DONE)
+    result = kt_print(&o->common, wants_record && !o->base ? &json : &text);
+  km_text_free(&text);
+  km_text_free(&json);
+  km_arena_free(&arena);
   return result;
 }
 
@@ -267,7 +193,6 @@ static kt_exit run(const options *o, const kt_pose *pose) {
   km_all_modes modes = {0};
   km_space_map map = {0};
   kspace_map_figures figures = {0};
-  km_text out = {0};
   kt_exit result = read_axes(o, pose->model, &def);
   if (result == KT_DONE) {
     const int drivers[2] = {def.axis[0].coordinate, def.axis[1].coordinate};
@@ -278,15 +203,10 @@ static kt_exit run(const options *o, const kt_pose *pose) {
     result = check_picture(o, pose, &def);
   if (result == KT_DONE)
     result = compute(o, pose, &def, &modes, &map);
-  if (result == KT_DONE && o->base)
-    result = write_files(o, pose, &def, &map);
-  if (result == KT_DONE) {
-    print_map(o, pose->model, &def, &modes, &map, &out);
-    result = kt_print(&o->common, &out);
-  }
+  if (result == KT_DONE)
+    result = deliver(o, pose, &def, &modes, &map);
   if (result == KT_DONE && !modes.is_complete)
     result = KT_PARTIAL;
-  km_text_free(&out);
   kspace_map_figures_free(&figures);
   km_space_map_free(&map);
   km_all_modes_free(&modes);
@@ -313,14 +233,17 @@ kt_exit kspace_map(int argc, char **argv) {
        KT_TEXT, &o.show, KT_ABOUT_FILES},
       {"over-point", 0, NULL, "Draw the picture over the place of --point: the workspace", KT_FLAG, &o.over_point,
        KT_ABOUT_FILES},
-      {"format", 0, "FORMATS", "Some of csv,svg,pdf,png (default csv,svg)", KT_TEXT_OF("csv or svg or pdf or png"),
-       &o.format, KT_ABOUT_FILES},
+      {"format", 0, "FORMATS",
+       "Some of csv,json,svg,pdf,png (default csv,svg); json without -o: a record in place of the text",
+       KT_TEXT_OF("csv or json or svg or pdf or png"), &o.format, KT_ABOUT_FILES},
       {"own", 0, NULL, "Follow the sheet of the pose only", KT_FLAG, &o.own, KT_ABOUT_MODEL},
       {"limits", 0, NULL, "Leave out cells beyond the joint limits", KT_FLAG, &o.limits, KT_ABOUT_MODEL},
       KT_SET(&o.sets, "Start from another pose: move a joint to a value"),
       KT_HOLD(&o.holds, KT_HOLD_RIGID),
       KT_POSE(o.common),
-      KT_BASE(&o.base, "Write BASE.map.csv (the grid), BASE.singular.csv (the curves) and BASE.map.svg"),
+      KT_BASE(
+          &o.base,
+          "Write BASE.map.csv (the grid), BASE.singular.csv (the curves), with --point BASE.boundary.csv (the outline of the workspace), and BASE.map.svg"),
   };
   KT_OPTIONS_ADD(&all, own);
   all.operand = (kt_operand){"model", "MODEL", true, &o.model, NULL};
@@ -331,15 +254,19 @@ kt_exit kspace_map(int argc, char **argv) {
       "grid point to grid point, and the singularity curves of the drivers that bound the sheets."
       "\vA row of the grid has the configuration, all mobility numbers, and the smallest singular values of the input "
       "(the Jacobian of the closure without the drivers' columns) and of the closure. --point adds the smallest singular "
-      "value and the manipulability of the point's Jacobian by the drivers, and the curves on which it is singular: the "
-      "boundary of the workspace is among them. --ask advantage takes input and output of the model's "
-      "analysis.mechanical_advantage; --ask forces the model's loads, and its analysis.actuators, else the drivers; --ask clearance the pairs of kspace clearance. The "
-      "curves are followed by continuation of the closure with a null vector; each point is on the curve to rounding. "
-      "Exit status 1: the list of modes may lack some, and so the sheets. Ball joints, redundant conditions and more "
-      "freedoms are refused.",
+      "value and the manipulability of the point's Jacobian by the drivers, the curves on which it is singular, and the "
+      "ends of ranges and limits; its workspace has area, holes and an outline by kind, and for each aspect (a part "
+      "without a singularity of drivers or point) area, largest circle and largest rectangle. --ask advantage takes input "
+      "and output of the model's analysis.mechanical_advantage; --ask forces the model's loads, and its "
+      "analysis.actuators, else the drivers; --ask clearance the pairs of kspace clearance. The curves are followed by "
+      "continuation of the closure with a null vector; each point is on the curve to rounding. Exit status 1: the list of "
+      "modes may lack some, and so the sheets. Ball joints, redundant conditions and more freedoms are refused. JSON keys "
+      "beside those of every record: drivers (joint, from, to, steps), complete, modes, sheets, aspects, curves, workspace "
+      "(point, area, holes, gap, outside, aspects: aspect, area, circle, radius, rectangle, width, height), columns and "
+      "rows of the grid.",
       argc, argv);
   kt_pose pose;
-  if (!kt_formats_parse_among(&o.common, o.format ? o.format : "csv,svg", "csv,svg,pdf,png", &o.formats))
+  if (!kt_formats_parse_among(&o.common, o.format ? o.format : "csv,svg", "csv,json,svg,pdf,png", &o.formats))
     return KT_USAGE;
   kt_exit result = kt_open(&o.common, o.model, &o.holds, &o.sets, &pose);
   if (result == KT_DONE)

@@ -1,0 +1,160 @@
+/* Record and text of kspace map. */
+#include "kspace/map_answer.h"
+
+#include "kmech/inspect.h"
+#include "kmech/model.h"
+#include "kmech/report.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Least and largest finite value of a column over the rows of a sheet. */
+static void range_of(const km_table *table, double sheet, size_t column, double *low, double *high, size_t *rows) {
+  *low = HUGE_VAL;
+  *high = -HUGE_VAL;
+  *rows = 0;
+  for (size_t r = 0; r < km_table_rows(table); ++r) {
+    const double *row = km_table_row(table, r);
+    if (row[2] != sheet)
+      continue;
+    if (isfinite(row[column])) {
+      *low = fmin(*low, row[column]);
+      *high = fmax(*high, row[column]);
+    }
+    ++*rows;
+  }
+}
+
+/* Prints the ranges of the singular values and of the columns behind them. */
+static void print_sheet(const km_space_map *map, int sheet, size_t points, km_text *out) {
+  const km_table *t = map->cells;
+  double low, high;
+  size_t rows, first = km_table_span(t, "sigma.input").first;
+  range_of(t, sheet, first, &low, &high, &rows);
+  if (rows == 0)
+    return;
+  km_text_format(out, "  sheet %d: %zu of %zu grid points", sheet, rows, points);
+  for (size_t c = first; c < km_table_columns(t); ++c) {
+    const char *name = km_table_name(t, c), *unit = km_table_unit(t, c);
+    range_of(t, sheet, c, &low, &high, &rows);
+    if (strcmp(name, "sigma.closure") != 0 && low <= high && (strncmp(name, "point.", 6) != 0 || high - low > 0.0))
+      km_text_format(out, "; %s %.3g to %.3g%s%s", name, low, high, unit && *unit ? " " : "", unit ? unit : "");
+  }
+  km_text_add(out, "\n");
+}
+
+static int count_curves(const km_table *curves, km_curve_kind kind) {
+  int count = 0;
+  for (size_t r = 0; r < km_table_rows(curves); ++r) {
+    const double *row = km_table_row(curves, r);
+    count += (int)row[1] == (int)kind && (r == 0 || km_table_row(curves, r - 1)[0] != row[0]);
+  }
+  return count;
+}
+
+/* Largest circle and rectangle of the aspect in which each is largest, and the area of the whole. */
+static void print_workspace(const km_model *model, const km_space_map_def *def, const km_space_map *map, km_text *out) {
+  const char *length = km_model_units(model).length->suffix;
+  const km_aspect_workspace *circle = NULL, *rectangle = NULL;
+  for (int i = 0; i < map->workspace_count; ++i) {
+    const km_aspect_workspace *at = &map->workspaces[i];
+    if (at->radius > 0.0 && (!circle || at->radius > circle->radius))
+      circle = at;
+    if (at->width > 0.0 && (!rectangle || at->width * at->height > rectangle->width * rectangle->height))
+      rectangle = at;
+  }
+  if (isfinite(map->workspace_area))
+    km_text_format(out, "workspace of %s: area %.6g %s², %d hole%s\n", def->point_name, map->workspace_area, length,
+                   map->hole_count, map->hole_count == 1 ? "" : "s");
+  else
+    km_text_format(out, "workspace of %s: its outline isn't closed, so a curve is missing\n", def->point_name);
+  if (circle)
+    km_text_format(out,
+                   "  largest circle without a singularity: radius %.6g %s around %.6g, %.6g, %.6g, in aspect %d\n",
+                   circle->radius, length, circle->circle[0], circle->circle[1], circle->circle[2], circle->aspect);
+  if (rectangle)
+    km_text_format(out, "  largest rectangle: %.6g by %.6g %s around %.6g, %.6g, %.6g, in aspect %d\n",
+                   rectangle->width, rectangle->height, length, rectangle->rectangle[0], rectangle->rectangle[1],
+                   rectangle->rectangle[2], rectangle->aspect);
+  if (map->gap > 0.0 && isfinite(map->gap))
+    km_text_format(out, "  its outline has a gap of %.3g %s, closed by a straight line\n", map->gap, length);
+  if (map->unbounded > 0)
+    km_text_format(out, "  %d grid points lie outside the outline: a curve is missing\n", map->unbounded);
+}
+
+void kspace_print_map(const km_model *model, const char *file, const km_space_map_def *def, const km_all_modes *modes,
+                      const km_space_map *map, km_text *out) {
+  size_t points = (size_t)(def->axis[0].steps + 1) * (size_t)(def->axis[1].steps + 1);
+  int inputs = count_curves(map->curves, KM_CURVE_INPUT);
+  km_text_format(out, "%s: %d sheet%s over %s and %s, from %d assembly mode%s%s\n", file, map->sheet_count,
+                 map->sheet_count == 1 ? "" : "s", km_model_coordinate_label(model, def->axis[0].coordinate),
+                 km_model_coordinate_label(model, def->axis[1].coordinate), modes->count, modes->count == 1 ? "" : "s",
+                 modes->is_complete ? "" : " (at least these)");
+  for (int i = 1; i <= modes->count + map->sheet_count; ++i)
+    print_sheet(map, i, points, out);
+  km_text_format(out, "%d singularity curve%s of the drivers bound%s them", inputs, inputs == 1 ? "" : "s",
+                 inputs == 1 ? "s" : "");
+  if (def->has_point) {
+    int outputs = count_curves(map->curves, KM_CURVE_OUTPUT);
+    km_text_format(out, "; %d of the output: %s can't move in some direction there", outputs, def->point_name);
+    km_text_format(out, "; %d aspect%s free of both", map->aspect_count, map->aspect_count == 1 ? "" : "s");
+  }
+  km_text_format(out, "; %zu points\n", km_table_rows(map->curves));
+  if (def->has_point)
+    print_workspace(model, def, map, out);
+}
+
+static void add_place(km_value *to, const char *name, const double *place, km_arena *arena) {
+  km_value *list = km_value_add(arena, to, name, KM_LIST);
+  for (int i = 0; i < 3 && list; ++i)
+    km_value_number(arena, list, NULL, place[i]);
+}
+
+static void add_aspect(const km_aspect_workspace *at, km_value *list, km_arena *arena) {
+  km_value *aspect = km_value_add(arena, list, NULL, KM_OBJECT);
+  km_value_number(arena, aspect, "aspect", at->aspect);
+  km_value_number(arena, aspect, "area", at->area);
+  if (at->radius > 0.0) {
+    add_place(aspect, "circle", at->circle, arena);
+    km_value_number(arena, aspect, "radius", at->radius);
+  }
+  if (at->width > 0.0) {
+    add_place(aspect, "rectangle", at->rectangle, arena);
+    km_value_number(arena, aspect, "width", at->width);
+    km_value_number(arena, aspect, "height", at->height);
+  }
+}
+
+static void add_workspace(const km_space_map_def *def, const km_space_map *map, km_value *record, km_arena *arena) {
+  km_value *workspace = km_value_add(arena, record, "workspace", KM_OBJECT);
+  km_value_string(arena, workspace, "point", def->point_name);
+  km_value_number(arena, workspace, "area", map->workspace_area);
+  km_value_number(arena, workspace, "holes", map->hole_count);
+  km_value_number(arena, workspace, "gap", map->gap);
+  km_value_number(arena, workspace, "outside", map->unbounded);
+  km_value *aspects = km_value_add(arena, workspace, "aspects", KM_LIST);
+  for (int i = 0; i < map->workspace_count && !arena->failed; ++i)
+    add_aspect(&map->workspaces[i], aspects, arena);
+}
+
+const km_value *kspace_map_record(const kt_pose *pose, const char *file, const km_space_map_def *def,
+                                  const km_all_modes *modes, const km_space_map *map, km_arena *arena) {
+  km_value *record = km_record_head(pose->mechanism, "kspace map", file, arena);
+  km_value *drivers = km_value_add(arena, record, "drivers", KM_LIST);
+  for (int d = 0; d < 2 && !arena->failed; ++d) {
+    km_value *driver = km_value_add(arena, drivers, NULL, KM_OBJECT);
+    km_value_string(arena, driver, "joint", km_model_coordinate_label(pose->model, def->axis[d].coordinate));
+    km_value_number(arena, driver, "from", def->axis[d].from);
+    km_value_number(arena, driver, "to", def->axis[d].to);
+    km_value_number(arena, driver, "steps", def->axis[d].steps);
+  }
+  km_value_boolean(arena, record, "complete", modes->is_complete);
+  km_value_number(arena, record, "modes", modes->count);
+  km_value_number(arena, record, "sheets", map->sheet_count);
+  km_value_number(arena, record, "aspects", map->aspect_count);
+  km_value_number(arena, record, "curves", map->curve_count);
+  if (def->has_point)
+    add_workspace(def, map, record, arena);
+  km_table_record(map->cells, record, arena);
+  return arena->failed ? NULL : record;
+}
