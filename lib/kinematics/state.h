@@ -21,12 +21,6 @@ typedef struct km_slot_motion {
   km_twist twist, product;
 } km_slot_motion;
 
-/* Second factor of a large substructure: a temporary one, or the stored original (km_factor_stash). */
-typedef struct km_stashed_factor {
-  km_factor *stored;
-  bool is_swapped; /* `stored` is the original, which km_factor_unstash restores */
-} km_stashed_factor;
-
 /* Configuration at which errors and Jacobian of a substructure were evaluated. */
 typedef struct km_cached_configuration {
   double *coordinates;        /* [3 · columns] as km_state_save writes it */
@@ -59,7 +53,6 @@ struct km_state {
   km_factor **factor;              /* [substructure] of the Jacobian; set by km_search_pivots, km_loops_close */
   km_normal_equations **normal;    /* [substructure] normal equations of minimum-norm steps; freed by km_state_free */
   int normal_count;                /* substructure count, for km_state_free after the mechanism was freed */
-  km_stashed_factor *stashed;      /* [substructure] second factors of large substructures */
   km_cached_configuration *cached; /* [substructure] last evaluation; set by km_loops_update */
   int *pivot_driver;               /* [substructure] driver column for which pivots were searched; KM_NEVER: pivots are
                                     * stale */
