@@ -190,7 +190,7 @@ bool km_nearest_configuration_find(km_nearest_configuration *c, const km_mechani
       continue;
     double last = largest;
     largest = km_max_norm(c->x, sub->columns);
-    /* Near singular configurations steps stagnate: the loops are nearly indifferent to the remainder. */
+    /* Steps stagnate near singular configurations: the loops are nearly indifferent to the remainder. */
     is_converged = largest <= 0.1 * km_step_tolerance || (largest <= 10.0 * km_step_tolerance && largest > 0.25 * last);
     if (!isfinite(largest) || (!is_converged && largest > 2.0 * last))
       return false;
