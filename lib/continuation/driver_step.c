@@ -124,7 +124,8 @@ static bool predict(km_driver_motion *d, double h) {
     is_within_error = predict_minimum_norm_path(d, h);
   for (int k = 0; k < sub->columns; ++k)
     /* A distant slide moves relative to its distance, so that each tenfold takes as many steps. */
-    if (!(fabs(d->c.move[k]) <= km_max_newton_step * km_larger(1.0, fabs(km_driver_step_slide_position(d, k)))))
+    if (!(fabs(d->c.move[k]) <= km_max_newton_step) &&
+        !(fabs(d->c.move[k]) <= km_max_newton_step * fabs(km_driver_step_slide_position(d, k))))
       return false;
   return is_within_error;
 }

@@ -1,6 +1,6 @@
 /* Predictors along the path of least motion dq/ds = t(q) (theory 4.7; equations in minimum_norm_path.h).
  *
- *   moments        : sum_k w_k x_k^j = 1 / (j + 1): weights of the integral over [0, 1] with nodes x_k = (s_k - s) / h
+ *   multistep      : weights of the tangents in multistep_body.h
  *   rotation vector: integral of its rate by the Magnus series */
 #include "continuation/minimum_norm_path.h"
 #include "base/number/vectors.h"
@@ -116,17 +116,14 @@ static km_vec3 weighted_angular_velocity(const nodes *n, const double *weight, i
 
 /* Adds the terms by which the rotation vector of a ball joint differs from the integral of its angular velocity ω (W.
  * Magnus, 1954): u = ∫ω − h³/12 ω × ω̇ − h⁴/24 ω × ω̈ + O(h⁵). */
-static void add_magnus_terms(const km_mechanism *m, const km_substructure *sub, const nodes *n, double h,
-                             double *move) {
+static void add_magnus_terms(const km_mechanism *m, const km_substructure *sub, const nodes *n, const km_multistep *w,
+                             double h, double *move) {
   const int *coordinate = m->column_coordinate + sub->column_start;
-  double slope[KM_PATH_NODES] = {0.0, 1.0}, curvature[KM_PATH_NODES] = {0.0, 0.0, 2.0};
-  km_solve_vandermonde(n->x, n->count, slope);
-  km_solve_vandermonde(n->x, n->count, curvature);
   for (int k = 0; k < sub->columns; ++k) {
     if (m->ball_of[coordinate[k]] < 0)
       continue;
     km_vec3 change =
-        km_vec3_axpy(0.5, weighted_angular_velocity(n, curvature, k), weighted_angular_velocity(n, slope, k));
+        km_vec3_axpy(0.5, weighted_angular_velocity(n, w->curvature, k), weighted_angular_velocity(n, w->slope, k));
     km_vec3 correction = km_vec3_scale(-h * h / 12.0, km_vec3_cross(km_vec3_from_array(n->t[0] + k), change));
     move[k] += correction.x;
     move[k + 1] += correction.y;
@@ -140,22 +137,18 @@ double km_minimum_norm_path_predict_multistep(const km_mechanism *m, const km_su
   if (c->last_h == 0.0 || 2 + c->older_count < KM_PATH_LEAST_NODES)
     return HUGE_VAL;
   nodes n = gather_nodes(c, h);
-  double weight[KM_PATH_NODES], lower_weight[KM_PATH_NODES] = {0.0}, error = 0.0;
-  for (int i = 0; i < n.count; ++i) /* moments of [0, 1] */
-    weight[i] = lower_weight[i] = 1.0 / (i + 1);
-  lower_weight[n.count - 1] = 0.0;
-  km_solve_vandermonde(n.x, n.count, weight);
-  km_solve_vandermonde(n.x, n.count - 1, lower_weight);
+  const km_multistep w = km_multistep_weights(n.x, n.count, m->ball_count > 0);
+  double error = 0.0;
   for (int k = 0; k < sub->columns; ++k) {
     double sum = 0.0, difference = 0.0;
     for (int i = 0; i < n.count; ++i) {
-      sum += weight[i] * n.t[i][k];
-      difference += (weight[i] - lower_weight[i]) * n.t[i][k];
+      sum += w.weight[i] * n.t[i][k];
+      difference += w.error_weight[i] * n.t[i][k];
     }
     move[k] = h * sum;
     error = km_larger_or_nan(fabs(h * difference), error);
   }
-  add_magnus_terms(m, sub, &n, h, move);
+  add_magnus_terms(m, sub, &n, &w, h, move);
   return error / (km_path_allowed * km_max_norm(move, sub->columns) + km_path_rounding);
 }
 

@@ -13,6 +13,12 @@
 
 enum { KM_PATH_STAGES = 6, KM_PATH_NODES = KM_OLDER_STEPS + 2, KM_PATH_LEAST_NODES = 4 };
 
+#define T        double
+#define FN(name) km_##name
+#include "continuation/multistep_body.h"
+#undef T
+#undef FN
+
 /* Allowed error relative to |move|, and the rounding of a step (scaled). The end of a sweep is promised to 1e-4 for
  * any division of the range; neighbouring paths of least motion can diverge a thousandfold on the way. */
 static const double km_path_allowed = 1e-7, km_path_rounding = 1e-13;

@@ -1,5 +1,5 @@
 /* Polynomials of the predictors for a type T, a double or a vector of doubles; included once for each type. The
- * includer defines T and FN(name) (theory 4.5, 4.7). */
+ * includer defines T and FN(name) (theory 4.5). */
 
 /* Weights, in a step of h, of the cubic through the last two configurations and their tangents (Hermite). */
 typedef struct FN(cubic) {
@@ -13,18 +13,4 @@ static inline FN(cubic) FN(cubic_weights)(T h, T last_h) {
 /* Move of the cubic from the present configuration; last_move led here over last_h, last_t and t are the tangents. */
 static inline T FN(cubic_value)(const FN(cubic) * c, T last_move, T last_t, T t) {
   return -c->h00 * last_move + c->last_h * (c->h10 * last_t + c->h11 * t);
-}
-
-/* Solves the dual Vandermonde system Σ w_k x_k^j = moment_j, j = 0 … count-1, in place (Å. Björck and V. Pereyra,
- * 1970). */
-static inline void FN(solve_vandermonde)(const T *x, int count, T *moment) {
-  for (int k = 0; k < count - 1; ++k)
-    for (int i = count - 1; i > k; --i)
-      moment[i] -= x[k] * moment[i - 1];
-  for (int k = count - 2; k >= 0; --k) {
-    for (int i = k + 1; i < count; ++i)
-      moment[i] /= x[i] - x[i - k - 1];
-    for (int i = k; i < count - 1; ++i)
-      moment[i] -= moment[i + 1];
-  }
 }

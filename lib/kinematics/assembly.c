@@ -80,9 +80,8 @@ static void displace_randomly(const km_mechanism *m, km_state *s, const km_subst
 /* Number of starts: starts · rows · columns² (the cost of least-squares steps) is bounded, so that large substructures
  * take seconds. */
 static int max_start_count(const km_substructure *sub) {
-  static const double most_work = 1e9; /* starts · rows · columns² */
   double work = (double)sub->rows * sub->columns * sub->columns;
-  return work * MAX_STARTS <= most_work ? MAX_STARTS : (int)(most_work / work);
+  return work * MAX_STARTS <= km_search_work ? MAX_STARTS : (int)(km_search_work / work);
 }
 
 /* Index of a loop that violates the polygon inequality; -1: none. */

@@ -17,8 +17,8 @@
 #include <string.h>
 
 enum { MAX_ITERATIONS = 60 };
-/* Divergence test: r > 1e3 (r_0 + 0.1). */
-static const double residual_growth = 1e3, residual_offset = 0.1;
+/* Divergence test: r > 1e3 (r_0 + 0.1). A residual of 100 is that of a loop open by a hundred times its size. */
+static const double residual_growth = 1e3;
 
 /* Root mean square of the errors of the primary rows. */
 static double primary_rms(const km_factor *p, const double *error) {
@@ -66,7 +66,7 @@ static double tolerance_scale(const km_mechanism *m, const km_state *s, const km
   for (int k = 0; k < sub->columns; ++k)
     if (m->ball_of[coordinate[k]] < 0)
       largest = km_larger(fabs(s->q[coordinate[k]] / m->unit[coordinate[k]]), largest);
-  return km_smaller(1.0 + km_tolerance_scale_growth * largest, km_max_tolerance_scale);
+  return km_smaller(1.0 + largest / km_max_tolerance_scale, km_max_tolerance_scale);
 }
 
 static km_closure_outcome closed_outcome(const km_mechanism *m, double residual, double scale) {
@@ -113,7 +113,7 @@ static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int in
     if (is_converged(pivoting, &n))
       return closed_outcome(m, evidence->residual, scale);
     n.last = n.is_residual_small ? n.step : HUGE_VAL;
-    if (!isfinite(n.step) || evidence->residual > residual_growth * (first + residual_offset))
+    if (!isfinite(n.step) || evidence->residual > residual_growth * (first + 0.1))
       return KM_OPEN;
     if (n.step > km_max_newton_step)
       for (int k = 0; k < sub->columns; ++k)

@@ -19,9 +19,9 @@ static const double km_max_newton_step = 0.6;       /* radians, or substructure 
 static const double km_pivot_reuse_residual = 0.05; /* residual below which the pivots of the last configuration are
                                                      * reused */
 
-/* Tolerance scale σ_s = min(1 + 1e-3 max|q_j|, 1e3): coordinates of many turns carry their rounding into the loops
+/* Tolerance scale σ_s = min(1 + max|q_j| / 1e3, 1e3): coordinates of many turns carry their rounding into the loops
  * (docs/theory.md 4.1). */
-static const double km_tolerance_scale_growth = 1e-3, km_max_tolerance_scale = 1e3;
+static const double km_max_tolerance_scale = 1e3;
 typedef enum km_closure_outcome {
   KM_CLOSED,
   KM_INCONSISTENT, /* primary rows close, secondary rows keep more than the closure tolerance */

@@ -14,9 +14,6 @@
 #include <string.h>
 
 enum { MAX_ITERATIONS = 12 };
-static const double step_tolerance = 1e-10; /* |δ|_∞ of a converged iteration: smaller steps are rounding */
-static const double stagnation_tolerance =
-    1e-8; /* |δ|_∞ accepted where steps no longer shrink: the loops are nearly indifferent to the remainder */
 
 /* Positions of matrix entries, column · size + row, in the order in which they were appended. */
 typedef struct entry_list {
@@ -193,7 +190,8 @@ bool km_nearest_configuration_find(km_nearest_configuration *c, const km_mechani
       continue;
     double last = largest;
     largest = km_max_norm(c->x, sub->columns);
-    is_converged = largest <= step_tolerance || (largest <= stagnation_tolerance && largest > 0.25 * last);
+    /* Steps stagnate near singular configurations: the loops are nearly indifferent to the remainder. */
+    is_converged = largest <= 0.1 * km_step_tolerance || (largest <= 10.0 * km_step_tolerance && largest > 0.25 * last);
     if (!isfinite(largest) || (!is_converged && largest > 2.0 * last))
       return false;
     double share = largest > km_max_newton_step ? km_max_newton_step / largest : 1.0;

@@ -30,7 +30,6 @@ static bool allocate_arrays(const km_mechanism *m, km_state *s) {
   s->factor = KM_ARENA_NEW(arena, km_factor *, (size_t)t->substructure_count);
   s->normal = KM_ARENA_NEW(arena, km_normal_equations *, (size_t)t->substructure_count);
   s->normal_count = t->substructure_count;
-  s->stashed = KM_ARENA_NEW(arena, km_stashed_factor, (size_t)t->substructure_count);
   s->cached = KM_ARENA_NEW(arena, km_cached_configuration, (size_t)t->substructure_count);
   s->pivot_driver = KM_ARENA_NEW(arena, int, (size_t)t->substructure_count);
   s->mobility_is_known = KM_ARENA_NEW(arena, bool, (size_t)t->substructure_count);

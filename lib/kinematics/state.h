@@ -11,6 +11,11 @@
 #include "linalg/factor.h"
 #include "topology/mechanism.h"
 
+/* Tolerance of a body's pose: radians, lengths over the substructure's size. Square root of km_solved_rounding. */
+static const double km_pose_tolerance = 1e-6;
+/* Multiplications of a search over starts or exchanges: about a second. */
+static const double km_search_work = 1e9;
+
 /* Displacement of a slot of a planar program from its configuration with all coordinates 0. */
 typedef struct km_planar_pose {
   double angle, cosine, sine, x, y;
@@ -20,12 +25,6 @@ typedef struct km_planar_pose {
 typedef struct km_slot_motion {
   km_twist twist, product;
 } km_slot_motion;
-
-/* Second factor of a large substructure: a temporary one, or the stored original (km_factor_stash). */
-typedef struct km_stashed_factor {
-  km_factor *stored;
-  bool is_swapped; /* `stored` is the original, which km_factor_unstash restores */
-} km_stashed_factor;
 
 /* Configuration at which errors and Jacobian of a substructure were evaluated. */
 typedef struct km_cached_configuration {
@@ -59,7 +58,6 @@ struct km_state {
   km_factor **factor;              /* [substructure] of the Jacobian; set by km_search_pivots, km_loops_close */
   km_normal_equations **normal;    /* [substructure] normal equations of minimum-norm steps; freed by km_state_free */
   int normal_count;                /* substructure count, for km_state_free after the mechanism was freed */
-  km_stashed_factor *stashed;      /* [substructure] second factors of large substructures */
   km_cached_configuration *cached; /* [substructure] last evaluation; set by km_loops_update */
   int *pivot_driver;               /* [substructure] driver column for which pivots were searched; KM_NEVER: pivots are
                                     * stale */

@@ -355,12 +355,6 @@ void km_factor_copy_pivots(km_factor *to, const km_factor *from) {
     km_sparse_copy(to, from);
 }
 
-void km_factor_swap(km_factor *a, km_factor *b) {
-  km_factor other = *a;
-  *a = *b;
-  *b = other;
-}
-
 bool km_factor_has_null_vectors(const km_factor *p) {
   return !p->sparse || km_sparse_has_null_vectors(p);
 }

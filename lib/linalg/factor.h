@@ -107,8 +107,6 @@ double km_factor_multiplications(const km_factor *factor);
 
 /* Copies the pivots of another factor of the same size, for a refactorisation. */
 void km_factor_copy_pivots(km_factor *to, const km_factor *from);
-/* Exchanges two factors that were created alike. */
-void km_factor_swap(km_factor *a, km_factor *b);
 
 /* ---- Rank and evidence. */
 

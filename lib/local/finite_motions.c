@@ -204,8 +204,6 @@ static int find_crossing_branches(km_local *l, int most, km_finite_mobility *out
 /* Returns the half-branch that continues half-branch i: the most nearly opposite one, else, in a cusp, the most
  * nearly parallel one; -1: none. */
 static int find_continuation(const km_half_branches *h, int freedom, int i, const bool *is_used) {
-  /* within 60 degrees, since half-branches are curved up to the sphere where they are sampled */
-  static const double min_cosine = 0.5;
   int best = -1;
   double most = 0.0;
   for (int pass = 0; pass < 2 && best < 0; ++pass)
@@ -214,7 +212,7 @@ static int find_continuation(const km_half_branches *h, int freedom, int i, cons
       for (int r = 0; r < freedom; ++r)
         cosine += h->coefficients[i * freedom + r] * h->coefficients[j * freedom + r];
       double alignment = pass ? cosine : -cosine;
-      if (j != i && !is_used[j] && alignment > fmax(most, min_cosine)) {
+      if (j != i && !is_used[j] && alignment > fmax(most, km_min_direction_cosine)) {
         most = alignment;
         best = j;
       }

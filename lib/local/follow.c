@@ -8,7 +8,6 @@
 #include "kinematics/loop_closing.h"
 #include "kinematics/loop_equations.h"
 #include "local/local_private.h"
-#include "local/partition_stash.h"
 
 static const double first_step = 1e-3;      /* scaled: radians or substructure sizes, of the fastest coordinate */
 static const double confirmed_length = 0.3; /* scaled; length of a confirmed tangent in each sense */
@@ -175,7 +174,6 @@ km_followed_tangent km_local_follow(km_local *l, const double *direction, double
   double size = fastest_column(direction, columns, &column);
   for (int c = 0; c < columns; ++c)
     l->move[c] = sign * h * direction[c] / size;
-  km_factor_stash(l->s, l->index);
   km_state_restore(l->s, l->sub, l->origin);
   km_state_invalidate_pivots(l->s, l->index);
   /* The curve is followed beyond that length, so that the order of contact can be estimated. */
@@ -199,7 +197,6 @@ km_followed_tangent km_local_follow(km_local *l, const double *direction, double
     h = fmin(1.5 * h, km_longest_local_step);
     predict(l, driver, h);
   }
-  km_factor_unstash(l->s, l->index);
   km_state_invalidate_pivots(l->s, l->index);
   result.verdict = decide_verdict(l, &r, tolerance, length >= confirmed_length);
   return result;
@@ -208,13 +205,11 @@ km_followed_tangent km_local_follow(km_local *l, const double *direction, double
 /* Compares the freedom at the end of a followed curve with that of the configuration. */
 bool km_local_has_dropped(km_local *l) {
   int worst;
-  km_factor_stash(l->s, l->index);
   km_loops_update(l->m, l->s, l->sub);
   double residual = km_loops_residual(l->m, l->s, l->sub, &worst);
   const km_pivoting pivoting = {.driver = KM_NO_DRIVER, .basis = needed_basis(l->s->factor[l->index])};
   km_search_pivots_by(l->m, l->s, l->index, &pivoting, km_rank_tolerance(l->m, l->sub, residual));
   bool fewer = km_factor_freedom(l->s->factor[l->index]) < l->freedom + l->passive_count;
-  km_factor_unstash(l->s, l->index);
   km_state_invalidate_pivots(l->s, l->index);
   return fewer;
 }

@@ -12,7 +12,6 @@
 #include "kinematics/loop_equations.h"
 #include "local/constant_rank.h"
 #include "local/local_private.h"
-#include "local/partition_stash.h"
 
 #include <string.h>
 
@@ -84,7 +83,6 @@ bool km_generic_neighbour_enter(const km_mechanism *m, km_state *s, int index, d
   km_closure evidence;
   if (!sample)
     combine_motions(m, index, km_state_basis(s, index), km_factor_freedom(p), move);
-  km_factor_stash(s, index);
   if (!sample && is_mobile && move_at_constant_rank(m, s, index, saved, move))
     return true;
   if (sample)
@@ -100,9 +98,8 @@ bool km_generic_neighbour_enter(const km_mechanism *m, km_state *s, int index, d
   return true;
 }
 
-/* Restores the configuration, its partition and its poses. */
+/* Restores the configuration and its poses. */
 void km_generic_neighbour_leave(const km_mechanism *m, km_state *s, int index, const double *saved) {
-  km_factor_unstash(s, index);
   km_loops_restore_cached(m, s, index, saved);
   km_poses_compute_in(m, s, index);
 }

@@ -21,8 +21,6 @@ enum { STARTS_PER_FREEDOM = 24, MAX_ITERATIONS = 60, MAX_NEWTON_STEPS = 30, MIN_
 enum { MAX_COVERED_FREEDOM = 3 }; /* freedoms for which the starts cover the sphere of tangents, 20 degrees apart */
 static const double radius =
     0.08; /* radius d: a contact of order n leaves a misfit of d^n, which must exceed the residual tolerance */
-static const double min_misfit = 1e-9;   /* |F| of a sphere without closed configurations: d^n, n <= 8 */
-static const double max_error = 1e-3;    /* relative to d: error of solutions that decide */
 static const double min_distance = 1e-4; /* relative to d: closer solutions are one */
 
 /* The system at one distance, with its workspace. */
@@ -140,7 +138,8 @@ static bool continues_to_origin(sphere *p) {
   double d = radius;
   for (int k = 0; k < n; ++k)
     p->previous_but_one[k] = 2.0 * p->y[k];
-  for (int i = 0; i < MIN_HALVINGS || (i < MAX_HALVINGS && solution_error(p, km_residual_tolerance) < max_error * p->d);
+  for (int i = 0;
+       i < MIN_HALVINGS || (i < MAX_HALVINGS && solution_error(p, km_residual_tolerance) < km_secant_tolerance * p->d);
        ++i) {
     memcpy(p->last, p->y, (size_t)n * sizeof *p->last);
     /* Predictor: parabola through q0 and the last two solutions. */
@@ -257,7 +256,7 @@ bool km_half_branches_find(km_local *l, km_half_branches *out) {
   bool is_ok = reserve_sphere(&p);
   for (size_t i = 0; is_ok && i < STARTS_PER_FREEDOM * k && !out->truncated; ++i)
     search_from_random_start(&p, out);
-  out->is_isolated = k <= MAX_COVERED_FREEDOM && p.least_residual > min_misfit;
+  out->is_isolated = k <= MAX_COVERED_FREEDOM && p.least_residual > km_relative_zero /* d^n, n <= 8 */;
   free_sphere(&p);
   km_state_restore(l->s, l->sub, l->origin);
   km_loops_update(l->m, l->s, l->sub);

@@ -11,15 +11,13 @@
 
 #include <string.h>
 
-/* More rows make the dense second-order conditions too expensive. */
-enum { MAX_DENSE_ROWS = 240 };
 /* More freedoms without passive ones have families of branches, each of which would be followed. */
 enum { MAX_FOLLOWED_FREEDOM = 3 };
 
 /* True if the freedoms and rows are few enough for a basis. */
 static bool is_basis_affordable(const km_local *l) {
   int k = l->freedom;
-  return k <= 1 || (k <= KM_MAX_BASIS_FREEDOM && l->sub->rows <= MAX_DENSE_ROWS) ||
+  return k <= 1 || (k <= KM_MAX_BASIS_FREEDOM && km_local_is_small(l->sub)) ||
          (k <= KM_MANY_VECTORS && k - l->known_passive <= MAX_FOLLOWED_FREEDOM);
 }
 

@@ -7,16 +7,13 @@
 #include "kinematics/loop_equations.h"
 #include "mobility/rank_evidence.h"
 
-static const double rounding =
-    1e-6; /* relative to the substructure's size: offsets below this come from the digits of a file */
-
 /* Adds the note about a loop whose ends are offset along its hinge axes. */
 static void note_pin_offset(const km_mechanism *m, int index, km_messages *messages) {
   const km_loop *loop = &m->loops[index];
   const km_model *model = m->model;
   const km_topology *t = &m->topology;
   double size = m->substructures[t->substructure_of_loop[index]].size;
-  if (!(fabs(loop->pin_offset) > rounding))
+  if (!(fabs(loop->pin_offset) > km_pose_tolerance)) /* smaller ones come from the digits of a file */
     return;
   int base = t->base[index];
   km_vec3 n = loop->plane_normal;

@@ -3,8 +3,9 @@
  *   J    six-row Jacobian about the point nearest to all axes, lengths over their root mean square distance from it
  *   G    Gram matrix of the loops as signed sets of joints, G = L Lᵀ;   singular values of L⁻¹ J are independent of
  *        the choice of loops
- *   doubtful if a relative singular value lies between `zero_below` and `nonzero_above` */
+ *   doubtful if a relative singular value lies between 1e-10, rounding and closing errors, and 1e-5 */
 #include "mobility/rank_evidence.h"
+#include "base/number/tolerances.h"
 
 #include "kinematics/body_poses.h"
 #include "kinematics/loop_closing.h"
@@ -17,10 +18,7 @@
 #include <gsl/gsl_linalg.h>
 #include <string.h>
 
-static const double zero_below = 1e-10;   /* relative singular values below this are rounding and closing errors */
 static const double nonzero_above = 1e-5; /* relative singular values above this do not come from rounded data */
-static const double tolerance_factor =
-    100.0; /* upper bound over a stated tolerance: a factor of 10 on either side of the rank tolerance */
 
 /* The columns of one substructure as twists, their reference point and length scale. */
 typedef struct joint_axes {
@@ -134,8 +132,9 @@ static void rescale_lengths(const joint_axes *a, int rows, double *J) {
 
 /* Finds the kept and dropped values, and whether a value is in the doubtful range. */
 static void classify_rank(const km_mechanism *m, const double *values, int count, int rank, km_rank_evidence *out) {
-  double low = m->closure_tolerance_given ? fmax(zero_below, m->closure_tolerance) : zero_below;
-  double high = m->closure_tolerance_given ? fmax(nonzero_above, tolerance_factor * low) : nonzero_above;
+  /* A factor of 10 on either side of the rank tolerance. */
+  double low = fmax(0.1 * km_relative_zero, m->closure_tolerance_given ? m->closure_tolerance : 0.0);
+  double high = m->closure_tolerance_given ? fmax(nonzero_above, km_significant_ratio * low) : nonzero_above;
   double scale = count && values[0] > 0.0 ? 1.0 / values[0] : 1.0;
   out->kept = rank > 0 && rank <= count ? scale * values[rank - 1] : 1.0;
   out->dropped = rank < count ? scale * values[rank] : 0.0;

@@ -94,13 +94,12 @@ static bool add_item(const redundancy_search *f, km_redundancy item) {
 
 /* True if a loop's redundancy is out of the plane in which the loop moves. */
 static bool is_out_of_plane(const redundancy_search *f, const km_redundancy *item) {
-  static const double aligned = 1e-6; /* sine, of directions computed from null vectors */
   double n[3], along = 0.0;
   if (!km_loop_plane(f->space.m, f->space.s, item->loop, n))
     return false;
   for (int k = 0; k < 3; ++k)
     along += n[k] * item->direction[k];
-  return item->rotation ? fabs(along) < aligned : fabs(along) > 1.0 - aligned;
+  return item->rotation ? fabs(along) < km_pose_tolerance : fabs(along) > 1.0 - km_pose_tolerance;
 }
 
 /* Separates moments from forces in the vectors of every single loop. */

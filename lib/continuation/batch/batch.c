@@ -40,7 +40,6 @@ static void copy_ball(km_lane_quaternion *to, const km_quaternion *q, int i) {
 /* Copies configuration and history of motion i into its lane if it can be batched with the recorded pivots. */
 static void load_lane(km_batch *l, int i) {
   const km_driver_motion *d = l->drives[i];
-  const km_step_history *history = &d->c.history;
   const km_factor *p = d->c.state->factor[d->c.substructure];
   if (!can_be_batched(d))
     return;
@@ -48,28 +47,11 @@ static void load_lane(km_batch *l, int i) {
     record_elimination(l, p);
   else if (!km_recorded_elimination_matches(&l->elimination, p))
     return;
-  const km_lane_past older = km_lane_past_of(l, history);
   for (int c = 0; c < l->m->coordinate_count; ++c)
     l->q[c].of[i] = d->c.state->q[c];
   for (int b = 0; b < l->m->ball_count; ++b)
     copy_ball(&l->ball[b], &d->c.state->ball[b], i);
-  for (int k = 0; k < l->sub->columns; ++k) {
-    l->t[k].of[i] = history->t[k];
-    l->last_t[k].of[i] = history->last_t[k];
-    l->last_move[k].of[i] = history->last_move[k];
-    l->remaining_step[k].of[i] = history->remaining_step[k];
-    for (int j = 0; j < older.count; ++j)
-      l->past[j][k].of[i] = older.of[j][k];
-  }
-  for (int j = 0; j < KM_OLDER_STEPS; ++j)
-    l->current.older_h[j].of[i] = history->older_h[j];
-  l->current.older_count.of[i] = history->older_count;
-  l->current.last_h.of[i] = history->last_h;
-  l->current.equal_count.of[i] = history->equal_count;
-  l->sign.of[i] = history->sign;
-  l->current.s.of[i] = d->current.s;
-  l->current.largest.of[i] = d->current.largest;
-  l->current.stopped.of[i] = d->current.stopped;
+  km_batch_transfer(l, i, true);
   const km_factor_evidence evidence = km_factor_get_evidence(p);
   l->max_b_at_search.of[i] = evidence.max_b_at_search;
   l->smallest_pivot.of[i] = km_factor_rank(p) > 0 ? evidence.smallest_pivot_at_search : 0.0;

@@ -212,6 +212,8 @@ static inline km_lane_past km_lane_past_of(const km_batch *l, const km_step_hist
                                 : (km_lane_past){KM_OLDER_STEPS, history->older_t};
 }
 
+/* Copies history, position and the coordinates of the substructure from the i-th motion into its lane, or back. */
+void km_batch_transfer(km_batch *lanes, int i, bool is_loaded);
 /* Copies the ball joints of lane i into its state. */
 void km_batch_write_ball_joints(const km_batch *lanes, int i);
 /* Computes Jacobian, partition and null space of a batched motion's state, with the bits of a single motion. */

@@ -144,7 +144,7 @@ static inline void compute_tolerance_scale(const km_batch *l, vector *tolerance_
     }
   }
   EACH(r) {
-    vector grown = 1.0 + km_tolerance_scale_growth * tolerance_scale[r];
+    vector grown = 1.0 + tolerance_scale[r] / km_max_tolerance_scale;
     tolerance_scale[r] = pick(below(grown, all(km_max_tolerance_scale)), grown, all(km_max_tolerance_scale));
   }
 }

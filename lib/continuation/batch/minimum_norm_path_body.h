@@ -1,46 +1,22 @@
 /* Predictors along the path of least motion (theory 4.7) in a batch; part of step_body.h. Per lane the operations are
  * those of minimum_norm_path.c and predictor_corrector.c. */
 
-/* Weights of the tangents at all nodes; 0 where a lane lacks the tangent. */
-typedef struct node_weights {
-  vector weight[KM_PATH_NODES]; /* weights of the step */
-  /* weights of its difference to one tangent less: the error estimate */
-  vector error_weight[KM_PATH_NODES];
-  /* weights of the first and second derivative at the present configuration, for ball joints */
-  vector slope[KM_PATH_NODES], curvature[KM_PATH_NODES];
-} node_weights;
+#include "continuation/multistep_body.h"
 
-/* Computes the weights of the first nodes, 0 for the others. */
-static inline void solve_first_nodes(const vector *x, int nodes, const double *moment, vector *weight) {
-  for (int i = 0; i < KM_PATH_NODES; ++i)
-    weight[i] = all(i < nodes ? moment[i] : 0.0);
-  lanes_solve_vandermonde(x, nodes, weight);
-}
-
-/* Computes the weights of a lane's nodes but the last `less`: a lane has all nodes or all but one. */
-static inline void solve_known_nodes(const vector *x, mask all_known, int less, const double *moment, vector *weight) {
-  vector fewer[KM_PATH_NODES];
-  solve_first_nodes(x, KM_PATH_NODES - less, moment, weight);
-  solve_first_nodes(x, KM_PATH_NODES - less - 1, moment, fewer);
-  for (int i = 0; i < KM_PATH_NODES; ++i)
-    weight[i] = pick(all_known, weight[i], fewer[i]);
-}
-
-static inline node_weights compute_node_weights(const km_batch *l, vector h, int r, int first) {
-  static const double integral[KM_PATH_NODES] = {1.0, 1.0 / 2, 1.0 / 3, 1.0 / 4, 1.0 / 5};
-  static const double slope[KM_PATH_NODES] = {0.0, 1.0}, curvature[KM_PATH_NODES] = {0.0, 0.0, 2.0};
-  node_weights w = {.slope = {all(0.0)}, .curvature = {all(0.0)}};
-  mask all_known = equal(GET(l->current.older_count), all(KM_OLDER_STEPS));
-  vector x[KM_PATH_NODES] = {all(0.0), -GET(l->current.last_h) / h}, less[KM_PATH_NODES];
+/* Computes the weights of all nodes: a lane has all tangents or all but one. */
+static inline lanes_multistep compute_node_weights(const km_batch *l, vector h, int r, int first) {
+  vector x[KM_PATH_NODES] = {all(0.0), -GET(l->current.last_h) / h};
   for (int i = 0; i < KM_OLDER_STEPS; ++i)
     x[2 + i] = x[1 + i] - GET(l->current.older_h[i]) / h;
-  solve_known_nodes(x, all_known, 0, integral, w.weight);
-  solve_known_nodes(x, all_known, 1, integral, less);
-  for (int i = 0; i < KM_PATH_NODES; ++i)
-    w.error_weight[i] = w.weight[i] - less[i];
-  if (l->m->ball_count > 0) {
-    solve_known_nodes(x, all_known, 0, slope, w.slope);
-    solve_known_nodes(x, all_known, 0, curvature, w.curvature);
+  const bool has_balls = l->m->ball_count > 0;
+  const mask all_known = equal(GET(l->current.older_count), all(KM_OLDER_STEPS));
+  lanes_multistep w = lanes_multistep_weights(x, KM_PATH_NODES, has_balls),
+                  fewer = lanes_multistep_weights(x, KM_PATH_NODES - 1, has_balls);
+  for (int i = 0; i < KM_PATH_NODES; ++i) {
+    w.weight[i] = pick(all_known, w.weight[i], fewer.weight[i]);
+    w.error_weight[i] = pick(all_known, w.error_weight[i], fewer.error_weight[i]);
+    w.slope[i] = pick(all_known, w.slope[i], fewer.slope[i]);
+    w.curvature[i] = pick(all_known, w.curvature[i], fewer.curvature[i]);
   }
   return w;
 }
@@ -55,7 +31,7 @@ static inline lanes_vec3 weighted_angular_velocity(const km_batch_number *const 
 }
 
 /* Adds the Magnus terms to the rotation vectors of ball joints: −h³/12 ω × ω̇ − h⁴/24 ω × ω̈. */
-static inline void add_magnus_terms(km_batch *l, const km_batch_number *const *t, const node_weights *w,
+static inline void add_magnus_terms(km_batch *l, const km_batch_number *const *t, const lanes_multistep *w,
                                     const vector *h, int first, int count) {
   for (int k = 0; k < l->sub->columns; ++k) {
     if (!l->is_ball[k])
@@ -94,7 +70,7 @@ static inline void compute_error_ratio(const km_batch *l, const km_batch_number 
 static inline void predict_multistep(km_batch *l, const vector *h, vector *error_ratio, mask *applicable, int first,
                                      int count) {
   const km_batch_number *t[KM_PATH_NODES] = {l->t, l->last_t};
-  node_weights weights[REGISTERS];
+  lanes_multistep weights[REGISTERS];
   vector error[REGISTERS];
   for (int i = 0; i < KM_OLDER_STEPS; ++i)
     t[2 + i] = l->past[i];

@@ -7,9 +7,6 @@
 
 #include "kinematics/state.h"
 
-/* Tolerance of a body's pose: radians, lengths over the substructure's size. */
-static const double km_pose_tolerance = 1e-6;
-
 /* A state with the substructure whose modes are searched; the state's locks are kept. */
 typedef struct km_mode_workspace {
   const km_mechanism *m;

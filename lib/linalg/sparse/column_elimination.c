@@ -3,14 +3,12 @@
  *   reach : rows that column c reaches in the graph of L (depth-first search)
  *   reduce: x <- x − L_:k u_k  for each reached step k in topological order;  u: entries of U
  *   accept: the rest of x over the pivot is the column of L */
+#include "base/number/tolerances.h"
 #include "linalg/sparse/sparse_lu.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Smaller singletons, relative to the largest entry of the matrix, are not taken as pivots without a search. Columns
- * with smaller pivots, relative to their largest entry, are postponed. */
-static const double small_pivot_ratio = 0.01;
 /* Threshold pivoting, relative to the largest entry of a column: such pivots let entries grow little, and leave a
  * choice of a short row. */
 static const double threshold_ratio = 0.3;
@@ -176,7 +174,7 @@ static bool is_small_pivot(const km_sparse *s, const double *matrix, int c, doub
   double largest = 0.0;
   for (int i = s->start[c]; i < s->start[c + 1]; ++i)
     largest = fabs(matrix[i]) > largest ? fabs(matrix[i]) : largest;
-  return size < small_pivot_ratio * largest;
+  return km_significant_ratio * size < largest;
 }
 
 /* Postpones the column at index i to the last one before `end`. */
@@ -260,7 +258,7 @@ void km_sparse_eliminate(km_factor *p, const double *matrix, const bool *forced,
   p->forced_dependent = false;
   for (int r = 0; r < p->rows; ++r)
     s->step_of[r] = -1;
-  int upper_end = km_sparse_take_singletons(p, matrix, forced, fmax(threshold, small_pivot_ratio * p->scale));
+  int upper_end = km_sparse_take_singletons(p, matrix, forced, fmax(threshold, p->scale / km_significant_ratio));
   int first_postponed = order_columns(p, forced);
   s->is_overfull = false;
   for (int i = s->singleton_count; i < p->columns; ++i) {

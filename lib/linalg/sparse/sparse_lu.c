@@ -10,8 +10,6 @@
 #include <math.h>
 #include <string.h>
 
-/* max|B| that complete pivoting reaches. More is accepted with many null vectors, up to km_max_good_b. */
-static const double max_good_b = 2.0;
 enum { MAX_PASSES = 4 };
 /* Postpones columns with more entries than the average. They are shared by several loops: if they are independent, null
  * vectors reach no further than a loop and its neighbours. Returns true if the independent columns change. */
@@ -115,7 +113,7 @@ static void find_good_columns(km_factor *p, const double *matrix, const bool *fo
     if (p->options.basis == KM_BASIS_ENTRIES)
       break;
     bool many = km_factor_freedom(p) > KM_MANY_VECTORS, others = many && pass == 0 && postpone_shared_columns(p);
-    double most = many && pass > 0 ? km_max_good_b : max_good_b;
+    double most = many && pass > 0 ? km_max_good_b : km_max_b_growth; /* complete pivoting leaves about 1 */
     bool finite = km_sparse_find_b(p, forced, others ? most : HUGE_VAL);
     if (finite && max_free_b(p, forced) <= most)
       break;

@@ -20,8 +20,6 @@
 /* Least pivot of a column of unit length: a weaker motion would turn errors of the links into motions a hundred times
  * as large. */
 static const double min_pivot = 1e-2;
-/* Multiplications of all exchanges. */
-static const double work_limit = 1e9;
 enum { NONE = -1, LEVELS = 4 };
 
 typedef struct candidate {
@@ -215,7 +213,7 @@ static void save(const search *f, int *chosen) {
 static bool exchange_one(search *f, int *chosen, int *remaining) {
   for (int i = 0; i < f->count; ++i)
     for (int k = NONE; k < f->candidates[i].option_count && chosen[i] != NONE; ++k) {
-      if (k == chosen[i] || f->work > work_limit)
+      if (k == chosen[i] || f->work > km_search_work)
         continue;
       restart(f, chosen, i);
       if (k != NONE && !is_admitted(f, i, k))
