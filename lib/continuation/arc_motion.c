@@ -114,6 +114,11 @@ km_status km_arc_motion_create(const km_mechanism *m, km_state *s, int coordinat
                              .ignore_limits = ignore_limits},
                        .largest = km_longest_arc_step,
                        .limit = -1};
+  f->probe_start = KM_ARENA_NEW(&f->arena, double, KM_SAVED_PER_COLUMN *(size_t)km_arc_motion_sub(f)->columns);
+  if (!f->probe_start || !km_step_history_reserve(&f->probe_history, &f->c, &f->arena)) {
+    km_arc_motion_free(f);
+    return km_fail(error, KM_MEMORY, "out of memory for following a motion");
+  }
   km_status status = start_at_regular_configuration(f, coordinate, sign < 0.0 ? -1.0 : 1.0, error);
   if (!status)
     status = f->c.constant_rank.is_active ? KM_OK : start_at_branch_point(f, error);

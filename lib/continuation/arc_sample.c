@@ -12,17 +12,6 @@ void km_arc_motion_tangent(const km_arc_motion *f, double *rates) {
   km_continuation_rates(&f->c, f->c.history.t, 1, 1.0, rates);
 }
 
-/* Allocates the history and configuration of a probe; false without memory. */
-static bool reserve_probe(km_arc_motion *f) {
-  if (f->probe_start)
-    return true;
-  double *pose = KM_ARENA_NEW(&f->arena, double, KM_SAVED_PER_COLUMN *(size_t)km_arc_motion_sub(f)->columns);
-  if (!pose || !km_step_history_reserve(&f->probe_history, &f->c, &f->arena))
-    return false;
-  f->probe_start = pose;
-  return true;
-}
-
 /* Advances by `offset` in equal steps; the state ends at the last one, next_t is its tangent. */
 static bool step_in_parts(km_arc_motion *f, double offset, int parts) {
   double reached, left = offset;
@@ -42,8 +31,6 @@ static bool step_in_parts(km_arc_motion *f, double offset, int parts) {
 static bool sample_by_steps(km_arc_motion *f, double offset) {
   const km_substructure *sub = km_arc_motion_sub(f);
   bool is_reached = false;
-  if (!reserve_probe(f))
-    return false;
   memcpy(f->probe_start, f->c.from, KM_SAVED_PER_COLUMN * (size_t)sub->columns * sizeof *f->probe_start);
   km_step_history_copy(&f->probe_history, &f->c.history, sub->columns);
   for (int parts = 2; !is_reached && parts <= MOST_PROBE_STEPS; parts *= 2) {

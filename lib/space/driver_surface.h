@@ -84,8 +84,8 @@ void km_driver_surface_restore(km_driver_surface *f, const double *saved);
 double km_driver_surface_difference(const km_driver_surface *f, const double *saved, double *step);
 /* Value of a control in the model's unit. */
 double km_driver_surface_value(const km_driver_surface *f, int control);
-/* Least distance to the ends of the controls' ranges but full turns, and of the joints' limits if they are kept; negative outside. The
- * column `except` doesn't count; −1: all do. */
+/* Least distance to the ends of the controls' ranges but full turns, and of the joints' limits if they are kept;
+ * negative outside. The column `except` doesn't count; −1: all do. */
 double km_driver_surface_margin(const km_driver_surface *f, int except);
 /* True if a coordinate of the parts exceeds its limits. */
 bool km_driver_surface_is_outside_limit(const km_driver_surface *f);

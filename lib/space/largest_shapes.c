@@ -8,8 +8,8 @@
 #include <math.h>
 #include <string.h>
 
-enum { CHORDS = 4 /* of a segment */, RASTER = 100, MOST_SQUARES = 20000, ROUNDS = 4 };
-static const double accuracy = 1e-5; /* of the radius, by the extent */
+enum { CHORDS = 4 /* chords of a segment */, RASTER = 100, MOST_SQUARES = 20000, ROUNDS = 4 };
+static const double accuracy = 1e-5; /* error of the radius, by the extent */
 
 /* A square of the plane. */
 typedef struct plane_square {

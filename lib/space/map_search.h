@@ -26,7 +26,7 @@ typedef struct km_map_search {
   double *rows;             /* [cell × columns of the table] of the present sheet */
   bool *is_written;         /* [cell] it has a row */
   int *aspect;              /* [cell] its aspect; 0: none yet */
-  int kept_sign;            /* of det (J; G), which steps keep; 0: they needn't */
+  int kept_sign;            /* sign of det (J; G) that steps keep; 0: they needn't */
   double *edge_N;           /* [2 · columns] workspace */
   double *K;                /* [columns²] workspace */
   int *row;                 /* [columns] workspace */

@@ -9,7 +9,7 @@
 typedef struct km_piece_side {
   int jump;     /* 1: on the left of the image, −1: on the right, 0: outside the ranges */
   int aspect;   /* 0: not found */
-  int signs[2]; /* of det A and det (J; G) */
+  int signs[2]; /* signs of det A and det (J; G) */
 } km_piece_side;
 
 typedef struct km_workspace_search {
@@ -27,7 +27,7 @@ typedef struct km_workspace_search {
   double *M, *nu, *b, *x, *K, *N;
   int *row;
   km_vec3 normal;
-  double height; /* of the plane along its normal */
+  double height; /* place of the plane along its normal */
 } km_workspace_search;
 
 /* Finds both sides of every piece. False when out of memory. */

@@ -8,8 +8,8 @@
 #include <math.h>
 #include <string.h>
 
-static const double side_distance = 1e-7;       /* from a part to its sides, of the extent: curves agree to 1e-8 */
-static const double least_side_distance = 9e-9; /* where another curve is as near: it differs by more than a copy */
+static const double side_distance = 1e-7; /* distance of a part from its sides, by the extent: curves agree to 1e-8 */
+static const double least_side_distance = 9e-9; /* smallest one, beside a near curve: copies of a curve are nearer */
 static const double least_length = 1e-6;        /* shorter parts are between a crossing and an end that are one */
 static const double same_end =
     1e-4; /* distance of ends of parts that join, of the extent: thinner wedges between curves are lost */
@@ -88,7 +88,7 @@ static bool is_on_outline(const km_curve_net *net, const int *jump, km_outline_p
   return true;
 }
 
-/* A part shorter than the distance of its sides has no middle that could be asked. */
+/* A part shorter than the distance of its sides has no middle that has a count. */
 static bool is_short(const km_curve_net *net, const km_outline_part *part) {
   double from[2], to[2], middle[2], rate[2];
   km_curve_net_place(net, part->piece, part->from, from, rate);

@@ -16,19 +16,19 @@
 typedef struct km_outline_point {
   double place[2];
   double rate[2]; /* derivative of the place by the length of the curve in the configuration space */
-  double length;  /* of the curve from this point to the next; 0 at the last one of a piece */
+  double length;  /* length of the curve from this point to the next; 0 at the last one of a piece */
 } km_outline_point;
 
 /* A part of a curve whose sides don't change. */
 typedef struct km_outline_piece {
   size_t first, count; /* its points */
-  int kind, curve;     /* what the caller calls it */
+  int kind, curve;     /* numbers of the caller */
 } km_outline_piece;
 
 typedef struct km_outline_segment {
   double x[4], y[4]; /* coefficients of u^0 to u^3 */
   double low[2], high[2];
-  double turn[2]; /* where y' = 0, ascending; 2: nowhere */
+  double turn[2]; /* parameters with y' = 0, ascending; 2: none */
   int piece;
 } km_outline_segment;
 
@@ -70,8 +70,8 @@ double km_curve_net_distance(const km_curve_net *net, const int *jump, const dou
 bool km_outline_find(const km_curve_net *net, const int *jump, km_arena *arena, km_outline *out);
 /* Largest circle in N > 0 that no curve with a jump meets; radius 0: none. O(segments · log). */
 void km_largest_circle(const km_curve_net *net, const int *jump, double *centre, double *radius);
-/* Largest rectangle with sides along the axes in N > 0 that no curve with a jump meets, to 1/100 of the extent; width 0:
- * none. False when out of memory. */
+/* Largest rectangle with sides along the axes in N > 0 that no curve with a jump meets, to 1/100 of the extent; width
+ * 0: none. False when out of memory. */
 bool km_largest_rectangle(const km_curve_net *net, const int *jump, km_arena *arena, double *low, double *high);
 
 #endif

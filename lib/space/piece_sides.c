@@ -14,9 +14,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SAMPLES = 7 /* of a piece */, PARTS = 3 /* of a distance */, MOST_NEWTON = 8 };
+enum { SAMPLES = 7 /* points of a piece */, PARTS = 3 /* steps to a distance */, MOST_NEWTON = 8 };
 static const double beside = 1e-3;                   /* distance at which the signs of a side are taken */
-static const double distances[] = {0.05, 0.02, 0.1}; /* from which a side's grid point is reached */
+static const double distances[] = {0.05, 0.02, 0.1}; /* distances from which a side's grid point is reached */
 static const double converged = 1e-12;
 static const double same_vertex = 1e-5; /* distance of ends that are one vertex: located to 1e-8 */
 
@@ -137,7 +137,7 @@ static void find_sides(km_workspace_search *w, int piece) {
 typedef struct piece_end {
   int piece;
   bool is_last;
-  double angle; /* of its direction away from the vertex, in the tangent plane (τ, ν) of the vertex' first end */
+  double angle; /* angle of its direction away from the vertex, in the tangent plane (τ, ν) of the vertex' first end */
 } piece_end;
 
 static const km_curve_point *end_point(const km_workspace_search *w, const piece_end *e) {

@@ -120,8 +120,8 @@ static bool is_beside_curve(const km_map_search *g, int cell) {
   return false;
 }
 
-/* True if the step between two neighbours keeps the sign of det D. Beside curves it is followed: two of them may cross
- * it, where they cross each other. */
+/* True if the step between two neighbours keeps the sign of det D. Steps beside curves are followed: two curves may
+ * cross one, where they cross each other. */
 static bool is_one_aspect(km_map_search *g, int cell, int next) {
   if (!g->is_written[next] || g->output_sign[next] != g->output_sign[cell])
     return false;

@@ -49,7 +49,7 @@ struct km_surface_curves {
   km_table *table;
   km_arena arena;
   int count, order;          /* order of K */
-  km_surface_curve of;       /* what the present curve is */
+  km_surface_curve of;       /* the present curve */
   int vector;                /* length of z: order, 0 of a limit */
   int unknowns;              /* columns + vector */
   int watched;               /* function whose root is located */

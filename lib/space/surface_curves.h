@@ -9,7 +9,7 @@
 
 typedef struct km_surface_curves km_surface_curves;
 
-/* What a curve is. */
+/* Definition of a curve. */
 typedef struct km_surface_curve {
   km_curve_kind kind;
   int column;   /* limit: the coordinate's column */

@@ -395,7 +395,7 @@ static void drivers_of_different_parts(void **state) {
                            : sin(cell(map.curves, k, "q.B")),
                   0.0, 1e-9);
     }
-    assert_int_equal(map.curve_count, pair ? 0 : 5); /* with the four ends of the ranges */
+    assert_int_equal(map.curve_count, pair ? 0 : 5); /* four of them are ends of the ranges */
     assert_int_equal(map.aspect_count, 2);
     km_space_map_free(&map);
     km_all_modes_free(&modes);

@@ -1,7 +1,7 @@
 """Configuration spaces: all assembly modes, their circuits, maps over two drivers, turning curves, singularity-free paths."""
 from __future__ import annotations
 
-from typing import Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy
 
@@ -73,17 +73,49 @@ def all_modes(mechanism: Mechanism, state: State, hold: Sequence[str], within_li
         lib.km_all_modes_free(modes)
 
 
+class AspectWorkspace(NamedTuple):
+    """The places of the point in an aspect. area: NaN if an outline doesn't close. circle and rectangle: centres of the largest ones
+    without a singularity; radius, width or height 0: none."""
+
+    aspect: int
+    area: float
+    circle: Tuple[float, float, float]
+    radius: float
+    rectangle: Tuple[float, float, float]
+    width: float
+    height: float
+
+
+class Workspace(NamedTuple):
+    """The workspace of a map's point. outline: loop, kind, curve and place of its points, the workspace on the left. gap: longest gap
+    that a straight line closes. outside: grid points beyond the outline, 0 unless a curve is missing. aspects: one by one."""
+
+    outline: Table
+    area: float
+    holes: int
+    gap: float
+    outside: int
+    aspects: Tuple[AspectWorkspace, ...]
+
+
 class SpaceMap(NamedTuple):
     """A map over two drivers. cells: a row for each grid point that a sheet reaches, with the sheet's mode, q. and m. of every
     coordinate, sigma.input and sigma.closure, with a point its place, sigma.output and manipulability. curves: points of the
-    singularity curves; kind 0: of the drivers, 1: of the point. complete: the modes from which the sheets were followed are all
-    modes at the state."""
+    curves; kind 0: singularity of the drivers, 1: of the point, 2: an end of a range or a limit. complete: the modes from which the sheets
+    were followed are all modes at the state. workspace: of the point; None without one."""
 
     cells: Table
     curves: Table
     sheet_count: int
     curve_count: int
     complete: bool
+    workspace: Optional[Workspace] = None
+
+
+def _workspace(found: Any) -> Workspace:
+    aspects = tuple(AspectWorkspace(at.aspect, at.area, tuple(at.circle), at.radius, tuple(at.rectangle), at.width, at.height)
+                    for at in found.workspaces[0:found.workspace_count])
+    return Workspace(table_of(found.boundary, found), found.workspace_area, found.hole_count, found.gap, found.unbounded, aspects)
 
 
 def space_map(mechanism: Mechanism, state: State, over: Mapping[str, Tuple[float, float, int]],
@@ -108,7 +140,7 @@ def space_map(mechanism: Mechanism, state: State, over: Mapping[str, Tuple[float
     watch.finish()
     check(status, error)
     return SpaceMap(table_of(found.cells, found), table_of(found.curves, found), found.sheet_count, found.curve_count,
-                    modes.is_complete)
+                    modes.is_complete, _workspace(found) if point is not None else None)
 
 
 class TurningPoint(NamedTuple):

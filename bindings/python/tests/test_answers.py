@@ -389,6 +389,13 @@ def test_maps_over_two_drivers(source):
     apart = numpy.hypot(1 + ends[1][0] - ends[0][0], ends[1][1] - ends[0][1])
     assert abs(apart - 1.8).max() < 1e-9  # the rods are in line
     assert abs(sum(found.cells["m." + c] for c in "ABCDE") - 2).max() < 1e-12
+    assert found.workspace is None
+    turn = (-numpy.pi, numpy.pi, 31)
+    workspace = mechanism.space_map({"A": turn, "E": turn}, point="rod1/P").workspace
+    lens = 4.5 * numpy.arccos(1 / 3) - numpy.sqrt(2)  # of the circles of both legs, radius 1.5, but for two of radius 0.3
+    assert abs(workspace.area - lens + 2 * numpy.pi * 0.09) < 1e-8
+    assert (workspace.holes, workspace.gap, workspace.outside) == (2, 0, 0)
+    assert max(at.radius for at in workspace.aspects) > 0.59
     with pytest.raises(kmech.UsageError, match="two of them"):
         mechanism.space_map({"A": (-2, 2, 21)})
     with pytest.raises(kmech.Cancelled):
