@@ -13,6 +13,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { MOST_STARTS = 1000 /* random configurations, where the state doesn't close */ };
+
 /* One mode before the result is written. */
 typedef struct found_mode {
   double *saved;         /* [3 · columns] */
@@ -24,7 +26,8 @@ typedef struct found_mode {
 typedef struct modes_search {
   const km_mechanism *m;
   const km_state *original;
-  km_state *s; /* state with the locked coordinates */
+  km_state *s;     /* state with the locked coordinates */
+  km_state *first; /* takes the place of an open original; NULL: it closes */
   const km_all_modes_def *def;
   int substructure, passive; /* passive: mobility of passive freedoms */
   km_arena arena;
@@ -77,6 +80,27 @@ static km_status choose_substructure(modes_search *f, km_error *error) {
              : km_fail(error, KM_USAGE, "the model has no loop; expected one that closes in different ways");
 }
 
+/* Closes the loops from random configurations with the locked values; the first that closes takes the place of the
+ * state. */
+static km_status close_from_elsewhere(modes_search *f, km_error *error) {
+  bool is_closed = false;
+  for (int i = 0; i < MOST_STARTS && !is_closed && !f->work.failed; ++i) {
+    km_mode_randomise(&f->work);
+    is_closed = km_mode_close(&f->work);
+  }
+  if (!is_closed && !f->work.failed)
+    return km_fail(error, KM_NO_RESULT,
+                   "no assembly mode was found with the joints at these values, from %d random starts", MOST_STARTS);
+  if (f->work.failed)
+    return km_fail(error, KM_MEMORY, "out of memory for the assembly modes");
+  km_status status = km_state_create(f->m, &f->first, error);
+  if (!status) {
+    km_state_copy(f->m, f->first, f->s);
+    f->original = f->work.original = f->first;
+  }
+  return status;
+}
+
 /* Locks the coordinates, all three of a ball joint, and closes the loops. */
 static km_status lock_and_close(modes_search *f, km_error *error) {
   for (int i = 0; i < f->def->locked_count; ++i) {
@@ -88,9 +112,7 @@ static km_status lock_and_close(modes_search *f, km_error *error) {
   }
   if (!km_mode_workspace_reserve(&f->work, &f->arena))
     return km_fail(error, KM_MEMORY, "out of memory for the assembly modes");
-  return km_mode_close(&f->work)
-             ? KM_OK
-             : km_fail(error, KM_MODEL, "the loops of the state are open; expected an assembled one");
+  return km_mode_close(&f->work) ? KM_OK : close_from_elsewhere(f, error);
 }
 
 /* Says how many joints must be held. */
@@ -340,6 +362,7 @@ km_status km_all_modes_find(const km_mechanism *m, const km_state *s, const km_a
     status = search_modes(&f, out, error);
   km_arena_free(&f.arena);
   km_state_free(f.s);
+  km_state_free(f.first);
   return status;
 }
 

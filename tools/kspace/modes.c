@@ -11,7 +11,31 @@
 
 /* ---- The locked joints. */
 
-/* Locks the joints of --set; without any, the driver of analysis.sweep if it can move. */
+/* Moves the pose to the values, as far as the loops follow. Where they don't, the joints get the values and the loops
+ * are open: the search closes them. */
+static kt_exit take_values(const kspace_modes_answer *a, const kt_settings *sets, km_arena *arena) {
+  const kt_pose *pose = a->pose;
+  km_error error;
+  km_hold *goals = KM_ARENA_NEW(arena, km_hold, (size_t)sets->count + 1);
+  double *values = KM_ARENA_NEW(arena, double, (size_t)km_model_coordinate_count(pose->model));
+  if (arena->failed)
+    return KT_NO_MEMORY;
+  for (int i = 0; i < sets->count; ++i)
+    goals[i] = (km_hold){sets->items[i].coordinate, sets->items[i].value};
+  km_status status = km_state_move_to(pose->mechanism, pose->state, goals, sets->count, &error);
+  if (status == KM_NO_RESULT) {
+    for (int c = 0; c < km_model_coordinate_count(pose->model); ++c)
+      values[c] = km_state_coordinate(pose->state, c);
+    for (int i = 0; i < sets->count; ++i)
+      values[goals[i].coordinate] = goals[i].value;
+    status = km_state_set_coordinates(pose->mechanism, pose->state, values, &error);
+  }
+  if (status)
+    kt_print_message(&a->o->common, KM_ERROR, "%s: %s", a->o->model, error.text);
+  return kt_exit_of(status);
+}
+
+/* Locks the joints of --set at their values; without any, the driver of analysis.sweep if it can move. */
 static kt_exit choose_locked(kspace_modes_answer *a, km_arena *arena) {
   const km_model *model = a->pose->model;
   kt_settings sets = {0};
@@ -20,6 +44,8 @@ static kt_exit choose_locked(kspace_modes_answer *a, km_arena *arena) {
   a->locked = KM_ARENA_NEW(arena, int, (size_t)sets.count + 1);
   if (result == KT_DONE && !a->locked)
     result = KT_NO_MEMORY;
+  if (result == KT_DONE && sets.count > 0)
+    result = take_values(a, &sets, arena);
   for (int i = 0; result == KT_DONE && i < sets.count; ++i)
     a->locked[a->locked_count++] = sets.items[i].coordinate;
   int driver = km_model_sweep_coordinate(model);
@@ -160,7 +186,7 @@ kt_exit kspace_modes(int argc, char **argv) {
   kspace_modes_options o = {.common = KT_COMMON("kspace")};
   kt_options all = {0};
   const kt_option own[] = {
-      KT_SET(&o.sets, "Move a joint to a value and keep it there; the loops follow"),
+      KT_SET(&o.sets, "Move a joint to a value and keep it there"),
       KT_HOLD(&o.holds, KT_HOLD_RIGID),
       KT_POSE(o.common),
       {"limits", 0, NULL, "List modes within the joint limits only", KT_FLAG, &o.limits, KT_ABOUT_MODEL},
@@ -178,7 +204,7 @@ kt_exit kspace_modes(int argc, char **argv) {
       "\vThe closure errors are followed over the complex numbers until the trace test shows that no solution is "
       "missing. Each real one is a mode; a proof (Newton-Kantorovich) states within which distance there is one "
       "solution, and no other. Modes are told apart by the places of the bodies, without the halves of struts. The first "
-      "mode is the pose itself. Modes that the mechanism's motion connects, with the joints of --set free, are one circuit; "
+      "mode is the pose; where its loops don't follow to the values of --set, it is one found from random starts. Modes that the mechanism's motion connects, with the joints of --set free, are one circuit; "
       "other circuits can't be reached without taking it apart. Limits are ignored there, and with several freedoms circuits "
       "aren't answered. Exit status 1: the list may lack modes, or bodies move although the joints stay. "
       "JSON keys beside those of every record: held, complete, reason (trace, lost, singular, self-motion, limit), "
@@ -187,8 +213,9 @@ kt_exit kspace_modes(int argc, char **argv) {
       "mobility_numbers, mechanical_advantage, mechanical_advantage_state, singular, moves, within_limits), and input and "
       "output of the leverage, where the model's analysis.mechanical_advantage states them.",
       argc, argv);
+  const kt_texts none = {0};
   kt_pose pose;
-  kt_exit result = kt_open(&o.common, o.model, &o.holds, &o.sets, &pose);
+  kt_exit result = kt_open(&o.common, o.model, &o.holds, &none, &pose);
   if (result == KT_DONE)
     result = run(&o, &pose);
   kt_close(&pose);

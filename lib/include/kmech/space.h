@@ -75,10 +75,11 @@ typedef struct km_all_modes_def {
 /* Finds all assembly modes of one substructure: that of the locked coordinates, else the largest one. Its closure
  * errors are followed over the complex numbers by monodromy; the trace test shows completeness; real solutions of the
  * closed loops are the modes, and Newton-Kantorovich proves each. Two configurations are one mode if all bodies have
- * the same poses to 1e-6, as in km_modes_find. Modes are ordered by their coordinates behind the first one. The state
- * must be assembled and keeps its configuration. KM_USAGE: an index is invalid, locked coordinates lie in different
+ * the same poses to 1e-6, as in km_modes_find. Modes are ordered by their coordinates behind the first one, that of
+ * the state; where the loops don't close from the state, the first one is that of a random start. The state keeps its
+ * configuration. KM_USAGE: an index is invalid, locked coordinates lie in different
  * substructures, there is no loop, bodies can move although the locked coordinates stay (the message says in how many
- * ways), or a joint is a screw or coupled; KM_MODEL: the loops are open; KM_MEMORY; KM_CANCELLED. Free `*out` in any
+ * ways), or a joint is a screw or coupled; KM_NO_RESULT: no start closes; KM_MEMORY; KM_CANCELLED. Free `*out` in any
  * case. O(complex solutions · 10³ · rank³). */
 KM_API km_status km_all_modes_find(const km_mechanism *mechanism, const km_state *state, const km_all_modes_def *def,
                                    km_progress progress, void *context, km_all_modes *out, km_error *error);
