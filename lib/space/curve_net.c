@@ -207,7 +207,8 @@ static bool keep_cuts(km_curve_net *net, cut_list *list, km_arena *arena) {
   double *all = KM_ARENA_NEW(arena, double, list->count + 1);
   if (!list->is_ok || arena->failed)
     return false;
-  qsort(list->items, list->count, sizeof *list->items, by_piece);
+  if (list->count > 0)
+    qsort(list->items, list->count, sizeof *list->items, by_piece);
   for (size_t i = 0; i < list->count; ++i) {
     int k = list->items[i].piece;
     if (net->cut_count[k] == 0)

@@ -403,6 +403,36 @@ static void drivers_of_different_parts(void **state) {
   fixture_close(&f);
 }
 
+/* The workspace depends neither on the order of the drivers nor on the sense of their ranges. */
+static void order_and_sense_of_drivers_do_not_matter(void **state) {
+  (void)state;
+  uint64_t random = 5;
+  five_bar b = random_five_bar(&random);
+  fixture f = build(&b);
+  const char *const path[] = {"b2", "P"};
+  const int drivers[2] = {coordinate(&f, "A"), coordinate(&f, "E")};
+  double first = 0.0;
+  for (int k = 0; k < 4; ++k) {
+    km_space_map_def def = {.axis = {{drivers[k % 2], -1.1, 1.3, 50}, {drivers[1 - k % 2], -1.1, 1.3, 50}},
+                            .has_point = true,
+                            .point_name = "P"};
+    if (k > 1)
+      def.axis[0] = (km_space_axis){drivers[k % 2], 1.3, -1.1, 50};
+    km_all_modes modes;
+    km_space_map map;
+    assert_int_equal(km_model_find_frame(f.model, path, 2, &def.frame, NULL), KM_OK);
+    assert_int_equal(km_map_modes_find(f.mechanism, f.state, drivers[0], drivers[1], 1, NULL, NULL, &modes, NULL),
+                     KM_OK);
+    assert_int_equal(km_space_map_compute(f.mechanism, f.state, &def, &modes, NULL, NULL, &map, NULL), KM_OK);
+    first = k == 0 ? map.workspace_area : first;
+    assert_near(map.workspace_area, first, 1e-7); /* Hermite's error along 10 sizes of curves */
+    assert_true(map.workspace_area > 0.1);
+    km_space_map_free(&map);
+    km_all_modes_free(&modes);
+  }
+  fixture_close(&f);
+}
+
 static bool stop_at_once(void *context, double done) {
   (void)context;
   (void)done;
@@ -445,6 +475,7 @@ int main(void) {
                                      cmocka_unit_test(rods_are_in_line_on_the_curves),
                                      cmocka_unit_test(cranks_and_rods_are_in_line_where_the_output_is_singular),
                                      cmocka_unit_test(workspace_has_inverse_solutions),
+                                     cmocka_unit_test(order_and_sense_of_drivers_do_not_matter),
                                      cmocka_unit_test(drivers_of_different_parts),
                                      cmocka_unit_test(refusals)};
   return cmocka_run_group_tests(tests, NULL, NULL);

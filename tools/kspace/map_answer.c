@@ -67,7 +67,8 @@ static void print_workspace(const km_model *model, const km_space_map_def *def, 
     km_text_format(out, "workspace of %s: area %.6g %s², %d hole%s\n", def->point_name, map->workspace_area, length,
                    map->hole_count, map->hole_count == 1 ? "" : "s");
   else
-    km_text_format(out, "workspace of %s: its outline isn't closed, so a curve is missing\n", def->point_name);
+    km_text_format(out, "workspace of %s: its outline isn't closed: a curve is missing, which more --steps may find\n",
+                   def->point_name);
   if (circle)
     km_text_format(out,
                    "  largest circle without a singularity: radius %.6g %s around %.6g, %.6g, %.6g, in aspect %d\n",
@@ -79,7 +80,8 @@ static void print_workspace(const km_model *model, const km_space_map_def *def, 
   if (map->gap > 0.0 && isfinite(map->gap))
     km_text_format(out, "  its outline has a gap of %.3g %s, closed by a straight line\n", map->gap, length);
   if (map->unbounded > 0)
-    km_text_format(out, "  %d grid points lie outside the outline: a curve is missing\n", map->unbounded);
+    km_text_format(out, "  %d grid points lie outside the outline: a curve is missing, which more --steps may find\n",
+                   map->unbounded);
 }
 
 void kspace_print_map(const km_model *model, const char *file, const km_space_map_def *def, const km_all_modes *modes,
