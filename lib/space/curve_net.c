@@ -32,14 +32,6 @@ static void add_cut(cut_list *list, int piece, double at) {
   list->items[list->count++] = (cut){piece, at};
 }
 
-static double cubic(const double *c, double u) {
-  return c[0] + u * (c[1] + u * (c[2] + u * c[3]));
-}
-
-static double cubic_rate(const double *c, double u) {
-  return c[1] + u * (2.0 * c[2] + u * 3.0 * c[3]);
-}
-
 /* Coefficients of the cubic with these ends and derivatives by u. */
 static void hermite(double a, double da, double b, double db, double *c) {
   c[0] = a;
@@ -71,8 +63,8 @@ static void extend(const double *c, double *low, double *high) {
   *low = HUGE_VAL;
   *high = -HUGE_VAL;
   for (int i = 0; i < 4; ++i) {
-    *low = fmin(*low, cubic(c, at[i]));
-    *high = fmax(*high, cubic(c, at[i]));
+    *low = fmin(*low, km_cubic(c, at[i]));
+    *high = fmax(*high, km_cubic(c, at[i]));
   }
 }
 
@@ -90,8 +82,9 @@ static void fill_segment(const km_outline_point *p, int piece, km_outline_segmen
 static bool find_crossing(const km_outline_segment *a, const km_outline_segment *b, double *u, double *v) {
   *u = *v = 0.5;
   for (int i = 0; i < MOST_NEWTON; ++i) {
-    double ax = cubic_rate(a->x, *u), ay = cubic_rate(a->y, *u), bx = cubic_rate(b->x, *v), by = cubic_rate(b->y, *v);
-    double dx = cubic(b->x, *v) - cubic(a->x, *u), dy = cubic(b->y, *v) - cubic(a->y, *u);
+    double ax = km_cubic_rate(a->x, *u), ay = km_cubic_rate(a->y, *u), bx = km_cubic_rate(b->x, *v),
+           by = km_cubic_rate(b->y, *v);
+    double dx = km_cubic(b->x, *v) - km_cubic(a->x, *u), dy = km_cubic(b->y, *v) - km_cubic(a->y, *u);
     double determinant = ax * by - ay * bx;
     if (!(fabs(determinant) > parallel * hypot(ax, ay) * hypot(bx, by)))
       return false;
@@ -114,10 +107,10 @@ static void add_joint(const km_outline_segment *s, double first, const double *p
     if (place[i] < s->low[i] - tolerance || place[i] > s->high[i] + tolerance)
       return;
   for (int i = 0; i < MOST_NEWTON; ++i) {
-    double dx = cubic_rate(s->x, u), dy = cubic_rate(s->y, u);
-    u += ((place[0] - cubic(s->x, u)) * dx + (place[1] - cubic(s->y, u)) * dy) / (dx * dx + dy * dy);
+    double dx = km_cubic_rate(s->x, u), dy = km_cubic_rate(s->y, u);
+    u += ((place[0] - km_cubic(s->x, u)) * dx + (place[1] - km_cubic(s->y, u)) * dy) / (dx * dx + dy * dy);
   }
-  if (u >= 0.0 && u < 1.0 && hypot(place[0] - cubic(s->x, u), place[1] - cubic(s->y, u)) < tolerance)
+  if (u >= 0.0 && u < 1.0 && hypot(place[0] - km_cubic(s->x, u), place[1] - km_cubic(s->y, u)) < tolerance)
     add_cut(list, s->piece, first + u);
 }
 
@@ -242,25 +235,25 @@ void km_curve_net_place(const km_curve_net *net, int piece, double at, double *p
   int first = net->first_segment[piece], last = net->first_segment[piece + 1] - 1 - first;
   int i = at < last ? (int)at : last;
   const km_outline_segment *s = &net->segments[first + i];
-  place[0] = cubic(s->x, at - i);
-  place[1] = cubic(s->y, at - i);
-  rate[0] = cubic_rate(s->x, at - i);
-  rate[1] = cubic_rate(s->y, at - i);
+  place[0] = km_cubic(s->x, at - i);
+  place[1] = km_cubic(s->y, at - i);
+  rate[0] = km_cubic_rate(s->x, at - i);
+  rate[1] = km_cubic_rate(s->y, at - i);
 }
 
 /* x at the root of y(u) = y within from … to, where y(u) − y changes its sign. */
 static double place_of_root(const km_outline_segment *s, double y, double from, double to) {
-  bool grows = cubic(s->y, to) > cubic(s->y, from);
+  bool grows = km_cubic(s->y, to) > km_cubic(s->y, from);
   while (to - from > 1e-14) {
     double u = 0.5 * (from + to);
     if (u <= from || u >= to)
       break;
-    if ((cubic(s->y, u) < y) == grows)
+    if ((km_cubic(s->y, u) < y) == grows)
       from = u;
     else
       to = u;
   }
-  return cubic(s->x, 0.5 * (from + to));
+  return km_cubic(s->x, 0.5 * (from + to));
 }
 
 /* Crossings of the ray from a place with a segment, upwards less downwards. */
@@ -270,7 +263,7 @@ static int crossings(const km_outline_segment *s, const double *place) {
   double at[4] = {0.0, fmin(s->turn[0], 1.0), fmin(s->turn[1], 1.0), 1.0};
   int sum = 0;
   for (int i = 0; i < 3; ++i) {
-    bool from = cubic(s->y, at[i]) > place[1], to = cubic(s->y, at[i + 1]) > place[1];
+    bool from = km_cubic(s->y, at[i]) > place[1], to = km_cubic(s->y, at[i + 1]) > place[1];
     if (from != to && (place[0] < s->low[0] || place_of_root(s, place[1], at[i], at[i + 1]) > place[0]))
       sum += to ? 1 : -1;
   }

@@ -19,8 +19,8 @@ typedef struct plane_square {
 /* Place of a segment at chord point k, 0 to CHORDS. */
 static void chord_point(const km_outline_segment *s, int k, double *place) {
   double u = (double)k / CHORDS;
-  place[0] = s->x[0] + u * (s->x[1] + u * (s->x[2] + u * s->x[3]));
-  place[1] = s->y[0] + u * (s->y[1] + u * (s->y[2] + u * s->y[3]));
+  place[0] = km_cubic(s->x, u);
+  place[1] = km_cubic(s->y, u);
 }
 
 static double square(double x) {

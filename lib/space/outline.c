@@ -32,10 +32,7 @@ static bool is_on_segment(const km_outline_segment *s, const double *place, doub
       return false;
   double u = 0.5;
   for (int i = 0; i < 12; ++i) {
-    double x = s->x[0] + u * (s->x[1] + u * (s->x[2] + u * s->x[3])),
-           y = s->y[0] + u * (s->y[1] + u * (s->y[2] + u * s->y[3]));
-    double dx = s->x[1] + u * (2.0 * s->x[2] + u * 3.0 * s->x[3]),
-           dy = s->y[1] + u * (2.0 * s->y[2] + u * 3.0 * s->y[3]);
+    double x = km_cubic(s->x, u), y = km_cubic(s->y, u), dx = km_cubic_rate(s->x, u), dy = km_cubic_rate(s->y, u);
     double along = ((place[0] - x) * dx + (place[1] - y) * dy) / (dx * dx + dy * dy);
     if (fabs(along) < 1e-9)
       return u > -1e-6 && u < 1.0 + 1e-6 && hypot(place[0] - x, place[1] - y) < tolerance;

@@ -32,6 +32,15 @@ typedef struct km_outline_segment {
   int piece;
 } km_outline_segment;
 
+/* A cubic and its derivative at u. */
+static inline double km_cubic(const double *c, double u) {
+  return c[0] + u * (c[1] + u * (c[2] + u * c[3]));
+}
+
+static inline double km_cubic_rate(const double *c, double u) {
+  return c[1] + u * (2.0 * c[2] + u * 3.0 * c[3]);
+}
+
 /* Curves cut where they cross or join. */
 typedef struct km_curve_net {
   const km_outline_point *points;
