@@ -57,7 +57,7 @@ static km_status check_parts(const km_driver_surface *f, const char *expected, k
     if (f->m->ball_of[km_driver_surface_coordinate(f, k)] >= 0)
       return km_fail(
           error, KM_USAGE,
-          "this part of the mechanism has ball joints, which maps and turning curves don't cover; expected hinges and slides");
+          "this part of the mechanism has ball joints, which maps, paths and turning curves don't cover; expected hinges and slides");
   if (f->rows == f->columns - f->control_count)
     return KM_OK;
   return km_fail(error, KM_USAGE, "the part of the mechanism has %d coordinates and %d conditions; expected %s",

@@ -2,6 +2,7 @@
 #include "support/support.h"
 
 #include "base/random.h"
+#include "kinematics/loop_equations.h"
 #include "kmech/continuation.h"
 #include "kmech/mobility.h"
 #include "kmech/space.h"
@@ -29,6 +30,32 @@ static km_space_path path_to(const fixture *f, const km_space_path_def *def) {
   if (km_space_path_find(f->mechanism, f->state, def, NULL, NULL, &path, &error))
     fail_msg("%s", error.text);
   return path;
+}
+
+/* The motion begins and ends at rest at the ends of the path, and its acceleration is continuous: a corner of the path
+ * would change it from row to row by all of it. */
+static void assert_smooth(const km_space_path *path, int drivers) {
+  size_t last = km_table_rows(path->motion) - 1, end = km_table_rows(path->table) - 1;
+  double n = (double)last, most = 0.0, jump = 0.0;
+  assert_true(path->is_smooth);
+  for (int d = 1; d <= drivers; ++d) {
+    double before = 0.0;
+    for (size_t r = 1; r < last; ++r) {
+      double acceleration = n * n *
+                            (km_table_row(path->motion, r + 1)[d] - 2.0 * km_table_row(path->motion, r)[d] +
+                             km_table_row(path->motion, r - 1)[d]);
+      most = fmax(most, fabs(acceleration));
+      jump = fmax(jump, fabs(acceleration - before));
+      before = acceleration;
+    }
+    double first = km_table_row(path->table, 0)[d], final = km_table_row(path->table, end)[d];
+    double least = 7.0 * path->length / (n * n * n); /* 2π²/3 τ³ of the length in the first step of a cycloid */
+    assert_near(km_table_row(path->motion, 0)[d], first, 1e-12);
+    assert_near(km_table_row(path->motion, last)[d], final, 1e-12);
+    assert_near(km_table_row(path->motion, 1)[d], first, least);
+    assert_near(km_table_row(path->motion, last - 1)[d], final, least);
+  }
+  assert_at_most(jump, 0.25 * most);
 }
 
 /* ---- Five-bar of models/five_bar.json: cranks of 0.6 on pins 1 apart, rods of 0.9. */
@@ -87,6 +114,7 @@ static void five_bars_keep_their_mode(void **state) {
     }
     for (int d = 0; d < 2; ++d)
       assert_near(remainder(cell(path.table, rows - 1, d ? "q.E" : "q.A") - values[d], 2.0 * M_PI), 0.0, 1e-6);
+    assert_smooth(&path, 2);
     around += !path.is_straight;
     km_space_path_free(&path);
   }
@@ -207,6 +235,7 @@ static void platforms_keep_the_sign_of_their_lines(void **state) {
     km_space_path path =
         path_to(&f, &(km_space_path_def){.drivers = drivers, .driver_count = 3, .to = end, .seed = 1, .margin = 0.005});
     assert_int_equal(path.outcome, KM_SPACE_PATH_FOUND);
+    assert_true(path.is_smooth);
     around += !path.is_straight;
     double last[3] = {0.0}, sign = 0.0;
     for (size_t r = 0; r < km_table_rows(path.table); ++r) {
@@ -347,10 +376,83 @@ static void conditions_and_refusals(void **state) {
   fixture_close(&f);
 }
 
+/* Two hinges in no loop, whose drivers are never singular: around a disk of their plane. */
+typedef struct disk {
+  double middle[2];
+  int joint[2];
+} disk;
+
+static double distance_of(const disk *d, const double values[2]) {
+  return hypot(values[0] - d->middle[0], values[1] - d->middle[1]);
+}
+
+/* Outside the disk, and not round the back of the hinges. */
+static bool stay_outside(void *context, const km_mechanism *mechanism, const km_state *state) {
+  const disk *d = context;
+  (void)mechanism;
+  double distance =
+      distance_of(d, (double[2]){km_state_coordinate(state, d->joint[0]), km_state_coordinate(state, d->joint[1])});
+  return distance >= 0.5 && distance < 2.5;
+}
+
+static void arms_go_around_obstacles(void **state) {
+  (void)state;
+  fixture f = fixture_open("double_pendulum");
+  const int drivers[2] = {0, 1};
+  const double start = km_state_coordinate(f.state, 0), other = km_state_coordinate(f.state, 1);
+  const double end[2] = {start + 2.0, other};
+  disk blocked = {{start + 1.0, other}, {0, 1}};
+  km_space_path path = path_to(
+      &f,
+      &(km_space_path_def){
+          .drivers = drivers, .driver_count = 2, .to_drivers = end, .condition = stay_outside, .context = &blocked});
+  assert_int_equal(path.outcome, KM_SPACE_PATH_FOUND);
+  assert_false(path.is_straight);
+  assert_smooth(&path, 2);
+  for (size_t r = 0; r < km_table_rows(path.table); ++r)
+    assert_true(distance_of(&blocked, km_table_row(path.table, r) + 1) >= 0.5);
+  double shortest = sqrt(3.0) + M_PI / 6.0; /* two tangents, and a sixth of the disk's edge */
+  assert_true(path.length >= shortest - 0.01 && path.length <= 1.1 * shortest);
+  assert_true(isinf(path.least_margin));
+  km_space_path_free(&path);
+  fixture_close(&f);
+}
+
+/* The cylinders of an excavator's boom and stick, each of a part of its own, and its turntable in no loop. */
+static void drivers_of_different_parts(void **state) {
+  (void)state;
+  fixture f = fixture_open("excavator");
+  const int drivers[3] = {coordinate(&f, "L"), coordinate(&f, "N"), coordinate(&f, "B")};
+  const double end[3] = {2.6, 2.7, 1.0};
+  km_space_path path =
+      path_to(&f, &(km_space_path_def){.drivers = drivers, .driver_count = 3, .to_drivers = end, .seed = 1});
+  assert_int_equal(path.outcome, KM_SPACE_PATH_FOUND);
+  assert_smooth(&path, 3);
+  const double *last = km_table_row(path.table, km_table_rows(path.table) - 1);
+  for (int d = 0; d < 3; ++d)
+    assert_near(last[1 + d], end[d], 1e-9);
+  double q[64] = {0.0};
+  for (int c = 0; c < km_model_coordinate_count(f.model); ++c) {
+    char name[64];
+    snprintf(name, sizeof name, "q.%s", km_model_coordinate_label(f.model, c));
+    q[c] = cell(path.table, km_table_rows(path.table) - 1, name);
+  }
+  assert_int_equal(km_state_set_coordinates(f.mechanism, f.state, q, NULL), KM_OK);
+  for (int k = 0; k < f.mechanism->topology.substructure_count; ++k) {
+    int worst;
+    assert_at_most(km_loops_residual(f.mechanism, f.state, &f.mechanism->substructures[k], &worst), 1e-11);
+  }
+  km_space_path_free(&path);
+  fixture_close(&f);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(five_bars_keep_their_mode), cmocka_unit_test(platforms_keep_the_sign_of_their_lines),
-      cmocka_unit_test(lines_meet_on_the_curves_of_a_slice), cmocka_unit_test(opposite_modes_are_separated),
-      cmocka_unit_test(conditions_and_refusals)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(five_bars_keep_their_mode),
+                                     cmocka_unit_test(platforms_keep_the_sign_of_their_lines),
+                                     cmocka_unit_test(lines_meet_on_the_curves_of_a_slice),
+                                     cmocka_unit_test(opposite_modes_are_separated),
+                                     cmocka_unit_test(conditions_and_refusals),
+                                     cmocka_unit_test(arms_go_around_obstacles),
+                                     cmocka_unit_test(drivers_of_different_parts)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

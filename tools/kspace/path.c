@@ -143,7 +143,8 @@ static kt_exit write_files(const options *o, const kt_pose *pose, const km_space
     if (format == KT_CSV)
       result = kspace_write_csv(&o->common, o->base, path->table, "path");
     else if (format == KT_JSON)
-      result = kspace_write_played_model(&o->common, o->model, pose->model, path->table, drivers, count, time, o->base);
+      result =
+          kspace_write_played_model(&o->common, o->model, pose->model, path->motion, drivers, count, time, o->base);
     else
       result = write_picture(o, path, count, (kt_format)format);
   }
@@ -288,11 +289,11 @@ kt_exit kspace_path(int argc, char **argv) {
       "\vThe input is the Jacobian of the closure without the drivers' columns, lengths over the size of the loops; its smallest "
       "singular value keeps the margin at every step of 0.04 at most. Where the determinant of the input has opposite signs at both "
       "ends there is no path, and that is certain. Otherwise the straight path is tried first, then two trees of configurations grow "
-      "from both ends until they meet, and the path is shortened. Another --seed may find another path. With --format json the "
+      "from both ends until they meet, the path is shortened, and its corners are rounded under the same conditions. Another --seed may find another path. With --format json the "
       "model is written with its drivers prescribed over time along the path, at rest at both ends, for ksim inverse; without -o the "
       "record is printed. Its keys beside those of every record: drivers, outcome (found, separated, end, not found), end (start or "
       "end: the one that isn't allowed), margin, ends (smallest singular value of the input at both), configurations, straight, "
-      "length, least_margin, and the table's columns and rows. Exit status 1: "
+      "smooth (false: the drivers turn corners), length, least_margin (null: the drivers move no loop), and the table's columns and rows. Exit status 1: "
       "no path was found. Ball joints and redundant conditions are refused.",
       argc, argv);
   if (!kt_formats_parse_among(&o.common, o.format ? o.format : "csv,svg", "csv,json,svg,pdf,png", &o.formats))

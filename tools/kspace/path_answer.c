@@ -16,9 +16,12 @@ void kspace_print_path(const kspace_path_answer *a, km_text *out) {
   case KM_SPACE_PATH_FOUND:
     km_text_format(out, "a path of %zu step%s%s, length %.4g\n", rows > 0 ? rows - 1 : 0, rows == 2 ? "" : "s",
                    path->is_straight ? ", straight" : "", path->length);
-    km_text_format(out,
-                   "smallest singular value of the input: %.4g at the start, %.4g at the end, at least %.4g between\n",
-                   path->ends[0], path->ends[1], path->least_margin);
+    if (isfinite(path->least_margin))
+      km_text_format(
+          out, "smallest singular value of the input: %.4g at the start, %.4g at the end, at least %.4g between\n",
+          path->ends[0], path->ends[1], path->least_margin);
+    if (!path->is_smooth)
+      km_text_add(out, "no smooth path is allowed beside this one: the drivers turn corners\n");
     break;
   case KM_SPACE_PATH_SEPARATED:
     km_text_format(out,
@@ -29,6 +32,9 @@ void kspace_print_path(const kspace_path_answer *a, km_text *out) {
   case KM_SPACE_PATH_END:
     if (isnan(path->ends[!path->is_at_start]))
       km_text_format(out, "no path: the drivers are singular at the %s, or no loop closes there\n",
+                     path->is_at_start ? "start" : "end");
+    else if (isinf(path->ends[!path->is_at_start]))
+      km_text_format(out, "no path: the %s is beyond a limit or lacks the clearance\n",
                      path->is_at_start ? "start" : "end");
     else
       km_text_format(
@@ -58,6 +64,7 @@ const km_value *kspace_path_record(const kspace_path_answer *a, km_arena *arena)
   km_value_number(arena, record, "configurations", path->configurations);
   if (path->outcome == KM_SPACE_PATH_FOUND) {
     km_value_boolean(arena, record, "straight", path->is_straight);
+    km_value_boolean(arena, record, "smooth", path->is_smooth);
     km_value_number(arena, record, "length", path->length);
     km_value_number(arena, record, "least_margin", path->least_margin);
   }

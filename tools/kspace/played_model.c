@@ -1,23 +1,10 @@
-/* A model whose drivers follow a path over time.
- *
- *   s / length = τ − sin(2πτ) / 2π,   t = T τ      cycloidal motion: at rest at both ends */
+/* A model whose drivers follow a path over time. */
 #include "kspace/played_model.h"
 
 #include "kmech/inspect.h"
 #include "kmech/model.h"
 
-#include <math.h>
 #include <string.h>
-
-/* τ of a part of the path, by bisection. */
-static double cycloid_time(double part) {
-  double low = 0.0, high = 1.0;
-  for (int i = 0; i < 60; ++i) {
-    double middle = 0.5 * (low + high);
-    *(middle - sin(2.0 * M_PI * middle) / (2.0 * M_PI) < part ? &low : &high) = middle;
-  }
-  return 0.5 * (low + high);
-}
 
 /* The joint of a label among those of the assemblies and of theirs; NULL: none. */
 static const km_value *find_joint(const km_value *assemblies, const char *label) {
@@ -39,20 +26,17 @@ static const km_value *find_joint(const km_value *assemblies, const char *label)
 }
 
 /* Adds the table of one driver to its joint. */
-static void prescribe(km_value *joint, const km_table *path, int column, double time, km_arena *arena) {
-  size_t rows = km_table_rows(path);
-  double length = km_table_row(path, rows - 1)[0];
+static void prescribe(km_value *joint, const km_table *motion, int column, double time, km_arena *arena) {
   km_value *table = km_value_add(arena, km_value_add(arena, joint, "prescribed", KM_OBJECT), "table", KM_LIST);
-  for (size_t r = 0; r < rows; ++r) {
-    const double *row = km_table_row(path, r);
-    double part = length > 0.0 ? row[0] / length : 0.0;
-    const double knot[2] = {r == 0 ? 0.0 : r + 1 == rows ? time : time * cycloid_time(part), row[column]};
+  for (size_t r = 0; r < km_table_rows(motion); ++r) {
+    const double *row = km_table_row(motion, r), knot[2] = {time * row[0], row[column]};
     km_value_numbers(arena, table, NULL, knot, 2);
   }
 }
 
 kt_exit kspace_write_played_model(const kt_common *common, const char *file, const km_model *model,
-                                  const km_table *path, const int *drivers, int count, double time, const char *base) {
+                                  const km_table *motion, const int *drivers, int count, double time,
+                                  const char *base) {
   km_arena arena = {0};
   km_text bytes = {0}, out = {0};
   km_error error;
@@ -67,7 +51,7 @@ kt_exit kspace_write_played_model(const kt_common *common, const char *file, con
       status = km_fail(&error, KM_USAGE, "joint \"%s\" of %s has a prescribed motion already; expected a model without",
                        label, file);
     else if (joint) /* the tree is that of this arena */
-      prescribe((km_value *)(size_t)joint, path, d + 1, time, &arena);
+      prescribe((km_value *)(size_t)joint, motion, d + 1, time, &arena);
     else
       status = km_fail(&error, KM_USAGE, "joint \"%s\" can't be prescribed in %s; expected a joint of a JSON model",
                        label, file);

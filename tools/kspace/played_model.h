@@ -5,9 +5,9 @@
 #include "common/common.h"
 #include "kmech/data.h"
 
-/* Writes BASE.path.json: the model's file with `prescribed` tables of the drivers, columns 1 … of the path over its
- * length in column 0. The speed is that of a cycloid: the motion begins and ends at rest. */
+/* Writes BASE.path.json: the model's file with `prescribed` tables of the drivers, columns 1 … of the motion over its
+ * part of `time` in column 0. */
 kt_exit kspace_write_played_model(const kt_common *common, const char *file, const km_model *model,
-                                  const km_table *path, const int *drivers, int count, double time, const char *base);
+                                  const km_table *motion, const int *drivers, int count, double time, const char *base);
 
 #endif

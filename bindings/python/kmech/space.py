@@ -204,7 +204,8 @@ def turning(mechanism: Mechanism, state: State, driver: str, path: str, low: flo
 class SpacePath(NamedTuple):
     """A path of the drivers. outcome: "found", "separated" (the determinant of the input has opposite signs at both ends: every path
     passes a singularity), "end" (an end isn't allowed) or "not found". table: s, q. of the drivers and of the others,
-    sigma.input; a row for each step."""
+    sigma.input; a row for each step. motion: t from 0 to 1, q. of the drivers, at equal steps of time, at rest at both ends. smooth:
+    the drivers turn no corner. least_margin: infinite where the drivers move no loop."""
 
     outcome: str
     table: Table
@@ -212,6 +213,8 @@ class SpacePath(NamedTuple):
     least_margin: float
     straight: bool
     configurations: int
+    motion: Table
+    smooth: bool
 
 
 def space_path(mechanism: Mechanism, state: State, to: Union[State, Mapping[str, float]], drivers: Optional[Sequence[str]], margin: float,
@@ -241,4 +244,4 @@ def space_path(mechanism: Mechanism, state: State, to: Union[State, Mapping[str,
     watch.finish()
     check(status, error)
     return SpacePath(text_of(lib.km_space_path_outcome_name(found.outcome)), table_of(found.table, found), found.length,
-               found.least_margin, found.is_straight, found.configurations)
+               found.least_margin, found.is_straight, found.configurations, table_of(found.motion, found), found.is_smooth)

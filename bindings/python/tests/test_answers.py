@@ -363,8 +363,9 @@ def test_space_path(source):
     path = mechanism.space_path({"A": 2.9, "E": -2.9})
     assert path.outcome == "found" and not path.straight and path.least_margin >= 0.02
     assert math.cos(path.table["q.A"][-1] - 2.9) == pytest.approx(1.0) and min(path.table["sigma.input"]) == pytest.approx(path.least_margin)
+    assert path.smooth and path.motion["t"][-1] == 1.0 and path.motion["q.A"][-1] == pytest.approx(path.table["q.A"][-1])
     assert mechanism.space_path({"A": 1.57, "E": -1.57}).outcome == "end"
-    with pytest.raises(kmech.UsageError, match="2 drivers"):
+    with pytest.raises(kmech.UsageError, match="a driver for each freedom"):
         mechanism.space_path({"A": 1.0})
 
 

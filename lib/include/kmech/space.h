@@ -298,7 +298,7 @@ typedef bool (*km_space_path_condition)(void *context, const km_mechanism *mecha
 
 /* Definition of a search for a path. */
 typedef struct km_space_path_def {
-  const int *drivers;       /* [driver_count] hinges and slides of one part, as many as it has freedoms */
+  const int *drivers;       /* [driver_count] hinges and slides, one for each freedom of the parts that they move */
   int driver_count;         /* number of drivers */
   const double *to;         /* [coordinate] end: a closed configuration, in the model's units; NULL: to_drivers */
   const double *to_drivers; /* [driver_count] values of the drivers at the end, in any assembly mode */
@@ -322,20 +322,25 @@ typedef struct km_space_path {
   km_space_path_outcome outcome; /* result */
   km_table *table;     /* s (scaled length of the path so far), q. of the drivers, q. of the other coordinates,
                            * sigma.input; a row for each step; no rows unless a path was found */
+  km_table *motion;    /* t (0 to 1), q. of the drivers: at equal steps of time, at rest at both ends; no rows unless a
+                           * path was found */
   double length;       /* scaled length of the path: radians, lengths over the size */
-  double least_margin; /* smallest singular value of A along it */
+  double least_margin; /* smallest singular value of A along it; infinite where the drivers move no loop */
   double ends[2];      /* smallest singular value of A at both ends */
   bool is_at_start;    /* KM_SPACE_PATH_END: the start is the end that isn't allowed */
   bool is_straight;    /* the drivers go straight from one end to the other */
+  bool is_smooth;      /* second derivatives of the drivers are continuous; false: no smooth path is allowed beside the
+                           * one found, and this one has corners */
   int configurations;  /* configurations of the search */
 } km_space_path;
 
 /* Searches for a path from the state's configuration to another one along which det A keeps its sign and the smallest
  * singular value of A (the Jacobian's columns of all coordinates but the drivers) its margin. The straight path of the
  * drivers comes first, then two trees of configurations that grow towards random ones and each other (J. Kuffner,
- * S. LaValle 2000), then shortening. Steps are at most 0.04 in radians and lengths over the size; each ends in a closed
- * configuration, to 1e-12. KM_USAGE: drivers of different parts or of none, ball joints, not as many drivers as
- * freedoms, redundant conditions; KM_MEMORY; KM_CANCELLED. Free `*out` in any case. O(configurations² +
+ * S. LaValle 2000), then shortening. Corners are then rounded by splines of the drivers, whose configurations are
+ * allowed as well. Steps are at most 0.04 in radians and lengths over the size; each ends in a closed configuration, to
+ * 1e-12. Drivers that move no loop are never singular. KM_USAGE: ball joints, not as many drivers as freedoms of a part
+ * with loops, redundant conditions; KM_MEMORY; KM_CANCELLED. Free `*out` in any case. O(configurations² +
  * configurations · rank³). */
 KM_API km_status km_space_path_find(const km_mechanism *mechanism, const km_state *state, const km_space_path_def *def,
                                     km_progress progress, void *context, km_space_path *out, km_error *error);

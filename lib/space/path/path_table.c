@@ -1,0 +1,96 @@
+/* Tables of a path (space/path/path_table.h). */
+#include "space/path/path_table.h"
+
+#include "base/table.h"
+#include "space/path/path_spline.h"
+
+enum { LEAST_INTERVALS = 100 }; /* a spline through so many has the acceleration of a cycloid to 5e-4 */
+
+/* Place of a coordinate among the drivers; −1: it is none. */
+static int driver_index(const km_path_steps *g, int coordinate) {
+  int d = g->f.control_count - 1;
+  while (d >= 0 && g->def->drivers[d] != coordinate)
+    --d;
+  return d;
+}
+
+static bool add_column(const km_path_steps *g, int coordinate, km_table *table) {
+  const km_model *model = g->f.m->model;
+  return km_table_add_joined_column(table, "q.", model->coordinates[coordinate].label, "",
+                                    km_model_coordinate_unit(model, coordinate));
+}
+
+bool km_path_table_create(const km_path_steps *g, km_space_path *out) {
+  out->table = km_table_create();
+  out->motion = km_table_create();
+  bool is_ok = out->table && out->motion && km_table_add_joined_column(out->table, "s", "", "", "") &&
+               km_table_add_joined_column(out->motion, "t", "", "", "");
+  for (int d = 0; is_ok && d < g->f.control_count; ++d)
+    is_ok = add_column(g, g->def->drivers[d], out->table) && add_column(g, g->def->drivers[d], out->motion);
+  for (int c = 0; is_ok && c < g->f.m->coordinate_count; ++c)
+    is_ok = driver_index(g, c) >= 0 || add_column(g, c, out->table);
+  return is_ok && km_table_add_joined_column(out->table, "sigma.input", "", "", "");
+}
+
+/* Writes the row of a point, to which the state is moved. values[coordinate] is workspace. */
+static bool write_row(km_path_steps *g, const km_path_points *points, int point, double *values, km_space_path *out) {
+  const km_driver_surface *f = &g->f;
+  const km_mechanism *m = f->m;
+  double *row = km_table_add_row(out->table);
+  if (!row)
+    return false;
+  km_path_steps_move_to(g, points->saved[point]);
+  for (int c = 0; c < m->coordinate_count; ++c)
+    values[c] = km_state_value(f->s, c);
+  for (int k = 0; k < f->columns; ++k) {
+    int c = km_driver_surface_coordinate(f, k);
+    values[c] = points->q[(size_t)point * (size_t)f->columns + (size_t)k] * m->unit[c] / m->factor[c];
+  }
+  double *other = row + 1 + f->control_count, sigma = km_path_steps_input_value(g);
+  *row++ = points->x[point];
+  for (int c = 0; c < m->coordinate_count; ++c) {
+    int driver = driver_index(g, c);
+    *(driver >= 0 ? &row[driver] : other++) = values[c];
+  }
+  *other = sigma;
+  out->ends[point > 0] = sigma;
+  out->least_margin = fmin(out->least_margin, sigma);
+  return true;
+}
+
+/* The drivers at equal steps of time, none of which is longer than one of the path. */
+static bool write_motion(const km_path_spline *spline, double length, km_table *motion) {
+  int steps = 2 * (spline->count - 1), intervals = steps > LEAST_INTERVALS ? steps : LEAST_INTERVALS;
+  for (int i = 0; i <= intervals; ++i) {
+    double t = (double)i / intervals, *row = km_table_add_row(motion);
+    if (!row)
+      return false;
+    *row = t;
+    for (int d = 0; d < spline->drivers; ++d)
+      row[1 + d] = km_path_spline_value(spline, d, length * (t - sin(2.0 * M_PI * t) / (2.0 * M_PI)));
+  }
+  return true;
+}
+
+static bool interpolate(const km_path_steps *g, const km_path_points *points, km_arena *arena, km_space_path *out) {
+  int count = points->count, drivers = g->f.control_count;
+  double *u = KM_ARENA_NEW(arena, double, (size_t)drivers *(size_t)count);
+  km_path_spline spline = {0};
+  for (int i = 0; u && i < count; ++i)
+    for (int d = 0; d < drivers; ++d)
+      u[d * count + i] = km_table_row(out->table, (size_t)i)[1 + d];
+  bool done = u && km_path_spline_create(points->x, u, count, drivers, &spline) &&
+              write_motion(&spline, out->length, out->motion);
+  km_path_spline_free(&spline);
+  return done;
+}
+
+bool km_path_table_write(km_path_steps *g, const km_path_points *points, km_arena *arena, km_space_path *out) {
+  double *values = KM_ARENA_NEW(arena, double, (size_t)g->f.m->coordinate_count);
+  out->least_margin = HUGE_VAL;
+  out->length = points->x[points->count - 1];
+  for (int i = 0; i < points->count; ++i)
+    if (!values || !write_row(g, points, i, values, out))
+      return false;
+  return points->count < 2 || interpolate(g, points, arena, out);
+}
