@@ -42,8 +42,8 @@ typedef struct modes_search {
 } modes_search;
 
 const char *km_mode_gap_name(km_mode_gap gap) {
-  static const char *const names[] = {"complete", "trace", "lost", "singular", "self-motion", "limit"};
-  return gap >= KM_GAP_NONE && gap <= KM_GAP_LIMIT ? names[gap] : "";
+  static const char *const names[] = {"complete", "trace", "lost", "singular", "self-motion", "limit", "stopped"};
+  return gap >= KM_GAP_NONE && gap <= KM_GAP_STOPPED ? names[gap] : "";
 }
 
 static const km_substructure *substructure_of(const modes_search *f) {
@@ -248,12 +248,13 @@ static km_status collect_modes(modes_search *f, bool *is_first_found, km_error *
 /* ---- The result. */
 
 /* Decides the verdict. */
-static void judge_completeness(const modes_search *f, const km_fibre_search *search, bool is_first_found,
-                               km_all_modes *out) {
+static void judge_completeness(const modes_search *f, const km_fibre_search *search, bool is_stopped,
+                               bool is_first_found, km_all_modes *out) {
   bool moves = false;
   for (int i = 0; i < f->count; ++i)
     moves = moves || f->modes[i].evidence.moves;
-  out->gap = moves                                          ? KM_GAP_MOVES
+  out->gap = is_stopped                                     ? KM_GAP_STOPPED
+             : moves                                        ? KM_GAP_MOVES
              : search->is_exhausted && !search->is_complete ? KM_GAP_LIMIT
              : !search->is_complete                         ? KM_GAP_TRACE
              : f->ends.singular > 0                         ? KM_GAP_SINGULAR
@@ -310,11 +311,28 @@ static km_status write_modes(modes_search *f, km_all_modes *out, km_error *error
   return is_ok ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the assembly modes");
 }
 
+/* Follows the solutions over the complex numbers, and those found to the closed loops; after a stop without another
+ * one. *is_stopped: `progress` ended either. */
+static km_status follow_solutions(modes_search *f, const km_complex *centre, uint64_t *random, km_fibre_search *search,
+                                  bool *is_stopped, km_error *error) {
+  int limit = f->def->max_solutions > 0 ? f->def->max_solutions : KM_DEFAULT_MODE_SOLUTIONS;
+  km_status status =
+      km_fibre_search_run(&f->closure, centre, limit, random, &f->arena, f->progress, f->context, search, error);
+  *is_stopped = status == KM_CANCELLED;
+  if (*is_stopped) {
+    search->graph.cancelled = false;
+    search->graph.progress = NULL;
+  }
+  if (!status || *is_stopped)
+    status = km_real_endpoints_find(search, &f->closure, &f->work, &f->arena, &f->ends, error);
+  *is_stopped = *is_stopped || status == KM_CANCELLED;
+  return status == KM_CANCELLED ? KM_OK : status;
+}
+
 /* The search from a locked and closed state. */
 static km_status search_modes(modes_search *f, km_all_modes *out, km_error *error) {
   uint64_t random = 2 * (uint64_t)f->def->seed + 1;
-  int limit = f->def->max_solutions > 0 ? f->def->max_solutions : KM_DEFAULT_MODE_SOLUTIONS;
-  bool is_first_found = false;
+  bool is_first_found = false, is_stopped = false;
   km_fibre_search search = {0};
   km_status status = compile_system(f, &random, error);
   km_complex *centre = status ? NULL : KM_ARENA_NEW(&f->arena, km_complex, (size_t)f->closure.length);
@@ -322,20 +340,17 @@ static km_status search_modes(modes_search *f, km_all_modes *out, km_error *erro
     status = km_fail(error, KM_MEMORY, "out of memory for the assembly modes");
   if (!status) {
     km_complex_from_state(&f->closure, f->s, centre);
-    status =
-        km_fibre_search_run(&f->closure, centre, limit, &random, &f->arena, f->progress, f->context, &search, error);
+    status = follow_solutions(f, centre, &random, &search, &is_stopped, error);
   }
-  if (!status)
-    status = km_real_endpoints_find(&search, &f->closure, &f->work, &f->arena, &f->ends, error);
   if (!status)
     status = collect_modes(f, &is_first_found, error);
   if (!status)
     status = write_modes(f, out, error);
   if (!status)
-    judge_completeness(f, &search, is_first_found, out);
+    judge_completeness(f, &search, is_stopped, is_first_found, out);
   km_fibre_search_free(&search);
   km_free(f->ends.items);
-  return status;
+  return !status && is_stopped ? km_fail(error, KM_CANCELLED, "stopped while assembly modes were searched") : status;
 }
 
 km_status km_all_modes_find(const km_mechanism *m, const km_state *s, const km_all_modes_def *def, km_progress progress,

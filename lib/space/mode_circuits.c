@@ -70,8 +70,8 @@ typedef struct curve_sample {
 } curve_sample;
 
 const char *km_circuit_gap_name(km_circuit_gap gap) {
-  static const char *const names[] = {"none", "freedoms", "self-motion", "ball", "lost"};
-  return gap >= KM_CIRCUIT_GAP_NONE && gap <= KM_CIRCUIT_GAP_LOST ? names[gap] : "";
+  static const char *const names[] = {"none", "freedoms", "self-motion", "ball", "lost", "stopped"};
+  return gap >= KM_CIRCUIT_GAP_NONE && gap <= KM_CIRCUIT_GAP_STOPPED ? names[gap] : "";
 }
 
 static const km_substructure *substructure_of(const circuit_search *f) {
@@ -478,6 +478,8 @@ km_status km_mode_circuits_find(const km_mechanism *m, const km_state *s, const 
     km_state_unlock(f.s);
     status = find_circuits(&f, out, error);
   }
+  if (status == KM_CANCELLED)
+    out->gap = KM_CIRCUIT_GAP_STOPPED;
   km_arena_free(&f.arena);
   km_state_free(f.s);
   return status;

@@ -302,6 +302,56 @@ static bool stop_at_once(void *context, double done) {
   return false;
 }
 
+typedef struct stop {
+  int left; /* calls until the search is ended */
+} stop;
+
+static bool stop_after(void *context, double done) {
+  stop *s = context;
+  (void)done;
+  return s->left-- > 0;
+}
+
+/* A search that is ended has some of the modes, proved, the state's own first; a later end has as many or more. */
+static void a_stopped_search_keeps_its_modes(void **state) {
+  (void)state;
+  fixture f = fixture_open("scissor_lift");
+  int driver;
+  km_all_modes all, modes;
+  km_error error;
+  assert_int_equal(km_model_find_coordinate(f.model, "S", &driver, NULL), KM_OK);
+  const km_all_modes_def def = {.locked = &driver, .locked_count = 1, .seed = 1};
+  size_t n = (size_t)km_model_coordinate_count(f.model);
+  assert_int_equal(km_all_modes_find(f.mechanism, f.state, &def, NULL, NULL, &all, NULL), KM_OK);
+  int most = 0, stopped = 0;
+  for (int calls = 0; calls < 4096; calls = 2 * calls + 1) {
+    stop s = {calls};
+    km_status status = km_all_modes_find(f.mechanism, f.state, &def, stop_after, &s, &modes, &error);
+    if (status == KM_CANCELLED) {
+      ++stopped;
+      assert_int_equal(modes.gap, KM_GAP_STOPPED);
+      assert_false(modes.is_complete);
+    }
+    assert_true(modes.count >= 1 && modes.count <= all.count);
+    for (int i = 0; i < modes.count; ++i) {
+      bool is_known = false;
+      for (int k = 0; k < all.count; ++k) {
+        double distance = 0.0;
+        for (size_t c = 0; c < n; ++c)
+          distance = fmax(distance, fabs(modes.coordinates[(size_t)i * n + c] - all.coordinates[(size_t)k * n + c]));
+        is_known = is_known || distance < 1e-9;
+      }
+      assert_true(is_known && modes.evidence[i].is_certified);
+    }
+    most = modes.count > most ? modes.count : most;
+    km_all_modes_free(&modes);
+  }
+  assert_true(stopped >= 3);
+  assert_int_equal(most, all.count);
+  km_all_modes_free(&all);
+  fixture_close(&f);
+}
+
 static void refusals(void **state) {
   (void)state;
   fixture f = fixture_open("fourbar");
@@ -313,22 +363,21 @@ static void refusals(void **state) {
   int driver = 0;
   def = (km_all_modes_def){.locked = &driver, .locked_count = 1};
   assert_int_equal(km_all_modes_find(f.mechanism, f.state, &def, stop_at_once, NULL, &modes, &error), KM_CANCELLED);
+  km_all_modes_free(&modes);
   driver = 99;
   assert_int_equal(km_all_modes_find(f.mechanism, f.state, &def, NULL, NULL, &modes, &error), KM_USAGE);
   assert_string_equal(km_mode_gap_name(KM_GAP_MOVES), "self-motion");
+  assert_string_equal(km_mode_gap_name(KM_GAP_STOPPED), "stopped");
   assert_string_equal(km_mode_gap_name((km_mode_gap)77), "");
   fixture_close(&f);
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(planar_platforms_have_six),
-                                     cmocka_unit_test(trusses_have_a_power_of_two_less_two),
-                                     cmocka_unit_test(modes_depend_on_the_mechanism_only),
-                                     cmocka_unit_test(random_starts_find_no_other),
-                                     cmocka_unit_test(two_bars_meet_in_two_points),
-                                     cmocka_unit_test(a_symmetric_platform_has_mirror_modes),
-                                     cmocka_unit_test(a_self_motion_is_never_complete),
-                                     cmocka_unit_test(struts_and_limits),
-                                     cmocka_unit_test(refusals)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(planar_platforms_have_six),          cmocka_unit_test(trusses_have_a_power_of_two_less_two),
+      cmocka_unit_test(modes_depend_on_the_mechanism_only), cmocka_unit_test(random_starts_find_no_other),
+      cmocka_unit_test(two_bars_meet_in_two_points),        cmocka_unit_test(a_symmetric_platform_has_mirror_modes),
+      cmocka_unit_test(a_self_motion_is_never_complete),    cmocka_unit_test(struts_and_limits),
+      cmocka_unit_test(a_stopped_search_keeps_its_modes),   cmocka_unit_test(refusals)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -82,7 +82,8 @@ static void rows_of_rates_alone(void **unused) {
       for (size_t r = 0; r < km_table_rows(a.table); ++r) {
         const double value = km_table_row(b.table, r)[c];
         if (!(is_kept ? value == km_table_row(a.table, r)[c] : isnan(value)))
-          fail_msg("%s: %s of row %zu is %.17g instead of %.17g", runs[i].model, name, r, value, km_table_row(a.table, r)[c]);
+          fail_msg("%s: %s of row %zu is %.17g instead of %.17g", runs[i].model, name, r, value,
+                   km_table_row(a.table, r)[c]);
       }
     }
     km_history_free(&a);

@@ -409,6 +409,7 @@ static void refusals(void **state) {
   km_error error;
   assert_int_equal(km_mode_circuits_find(f.mechanism, f.state, &def, &r.modes, stop_at_once, NULL, &circuits, &error),
                    KM_CANCELLED);
+  assert_int_equal(circuits.gap, KM_CIRCUIT_GAP_STOPPED);
   km_mode_circuits_free(&circuits);
   assert_int_equal(km_mode_circuits_find(f.mechanism, f.state, &def, NULL, NULL, NULL, &circuits, &error), KM_USAGE);
   km_mode_circuits_free(&circuits);

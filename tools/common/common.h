@@ -70,6 +70,12 @@ void kt_flush(kt_common *common);
 /* Seconds of the monotonic clock. */
 double kt_clock(void);
 
+/* From here on Ctrl-C or SIGTERM ends long work with KM_CANCELLED, so that a command can keep what is finished; the
+ * next one ends the program. */
+void kt_interrupts_catch(void);
+void kt_interrupts_release(void);
+bool kt_is_interrupted(void);
+
 /* A progress bar on the standard error: on a terminal only, and only after one second. */
 typedef struct kt_progress {
   bool shown, drawn;

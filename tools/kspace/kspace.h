@@ -12,6 +12,18 @@ kt_exit kspace_modes(int argc, char **argv);
 kt_exit kspace_path(int argc, char **argv);
 kt_exit kspace_turning(int argc, char **argv);
 
+/* The forms of an answer. */
+typedef struct kspace_answer {
+  const void *context;
+  const km_value *(*record)(const void *context, km_arena *arena); /* NULL: out of memory */
+  void (*print)(const void *context, km_text *out);
+  kt_exit (*write)(const void *context, kt_format format, const km_text *record); /* the files of a format */
+} kspace_answer;
+/* Writes the files of `base`, unless it is NULL, in the formats, and prints the text, or the record if it is requested
+ * and has no file. */
+kt_exit kspace_deliver(const kt_common *common, const kt_formats *formats, const char *base,
+                       const kspace_answer *answer);
+
 /* Writes BASE.RESULT.csv. */
 kt_exit kspace_write_csv(const kt_common *common, const char *base, const km_table *table, const char *result);
 

@@ -74,6 +74,8 @@ static kt_exit read_axes(const options *o, const km_model *model, km_space_map_d
   kt_exit result = read_drivers(o, model, def);
   if (result == KT_DONE && o->ranges.count != 0 && o->ranges.count != 2)
     result = bad_range(o, o->ranges.items[0]);
+  if (result == KT_DONE && o->steps.count > 2)
+    result = kt_usage(&o->common, "--steps", o->steps.items[2], "at most two: for both drivers, or for each in turn");
   for (int d = 0; result == KT_DONE && d < 2; ++d) {
     def->axis[d].steps = DEFAULT_STEPS;
     if (o->steps.count > 0 &&
@@ -92,81 +94,101 @@ static kt_exit read_axes(const options *o, const km_model *model, km_space_map_d
   return result;
 }
 
-static kt_exit compute(const options *o, const kt_pose *pose, const km_space_map_def *def, km_all_modes *modes,
-                       km_space_map *map) {
-  const int locked[2] = {def->axis[0].coordinate, def->axis[1].coordinate};
-  km_error error;
-  kt_progress progress = kt_progress_start(&o->common);
-  km_status status = km_map_modes_find(pose->mechanism, pose->state, locked[0], locked[1], o->common.seed,
-                                       kt_progress_show, &progress, modes, &error);
-  if (!status && o->own && modes->count > 1)
-    modes->count = 1; /* the first one is that of the pose */
-  modes->is_complete = modes->is_complete || o->own;
-  if (!status)
-    status = km_space_map_compute(pose->mechanism, pose->state, def, modes, kt_progress_show, &progress, map, &error);
-  kt_progress_end(&progress);
-  if (status)
-    kt_print_message(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
-  return kt_exit_of(status);
-}
-
 /* The column of the colours: --show, else the last one that --ask or --point adds. */
 static const char *shown_column(const options *o, const km_space_map_def *def) {
   const km_map_figures *figures = def->figures;
   return o->show ? o->show : figures ? figures->names[figures->count - 1] : def->has_point ? "manipulability" : NULL;
 }
 
-static kt_exit write_picture(const options *o, const kt_pose *pose, const km_space_map_def *def,
-                             const km_space_map *map, kt_format format) {
-  const km_map_look look = {.column = shown_column(o, def), .over_point = o->over_point, .title = o->model};
+/* ---- The answer. */
+
+typedef struct map_answer {
+  const options *o;
+  const kt_pose *pose;
+  km_space_map_def def;
+  km_all_modes modes;
+  km_space_map map;
+} map_answer;
+
+static kt_exit write_picture(const map_answer *a, kt_format format) {
+  const km_map_look look = {
+      .column = shown_column(a->o, &a->def), .over_point = a->o->over_point, .title = a->o->model};
   km_text out = {0};
   km_error error;
-  km_status status = km_space_map_picture(pose->mechanism, def, map, &look, kt_picture_format(format), &out, &error);
+  km_status status =
+      km_space_map_picture(a->pose->mechanism, &a->def, &a->map, &look, kt_picture_format(format), &out, &error);
   if (status)
-    kt_print_message(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
-  kt_exit result = status ? kt_exit_of(status) : kt_write(&o->common, o->base, "map", kt_format_word(format), &out);
+    kt_print_message(&a->o->common, KM_ERROR, "%s: %s", a->o->model, error.text);
+  kt_exit result =
+      status ? kt_exit_of(status) : kt_write(&a->o->common, a->o->base, "map", kt_format_word(format), &out);
   km_text_free(&out);
   return result;
 }
 
-static kt_exit write_files(const options *o, const kt_pose *pose, const km_space_map_def *def, const km_space_map *map,
-                           const km_text *record) {
-  kt_exit result = KT_DONE;
-  for (int format = 0; result == KT_DONE && format < KT_FORMATS; ++format) {
-    if (!o->formats.wanted[format])
-      continue;
-    if (format != KT_CSV) {
-      result = format == KT_JSON ? kt_write(&o->common, o->base, "map", "json", record)
-                                 : write_picture(o, pose, def, map, (kt_format)format);
-      continue;
-    }
-    result = kspace_write_csv(&o->common, o->base, map->cells, "map");
-    if (result == KT_DONE)
-      result = kspace_write_csv(&o->common, o->base, map->curves, "singular");
-    if (result == KT_DONE && map->boundary)
-      result = kspace_write_csv(&o->common, o->base, map->boundary, "boundary");
-  }
+static kt_exit write_tables(const map_answer *a) {
+  const kt_common *common = &a->o->common;
+  kt_exit result = kspace_write_csv(common, a->o->base, a->map.cells, "map");
+  if (result == KT_DONE)
+    result = kspace_write_csv(common, a->o->base, a->map.curves, "singular");
+  if (result == KT_DONE && a->map.boundary)
+    result = kspace_write_csv(common, a->o->base, a->map.boundary, "boundary");
   return result;
 }
 
-/* Writes the files of -o, and prints the text, or the record if it is requested and has no file. */
-static kt_exit deliver(const options *o, const kt_pose *pose, const km_space_map_def *def, const km_all_modes *modes,
-                       const km_space_map *map) {
-  km_arena arena = {0};
-  km_text text = {0}, json = {0};
-  bool wants_record = o->formats.wanted[KT_JSON];
-  if (wants_record)
-    km_json_write(kspace_map_record(pose, o->model, def, modes, map, &arena), &json);
-  kspace_print_map(pose->model, o->model, def, modes, map, &text);
-  kt_exit result = arena.failed || json.failed || text.failed ? KT_NO_MEMORY : KT_DONE;
-  if (result == KT_DONE && o->base)
-    result = write_files(o, pose, def, map, &json);
-  if (result == KT_DONE)
-    result = kt_print(&o->common, wants_record && !o->base ? &json : &text);
-  km_text_free(&text);
-  km_text_free(&json);
-  km_arena_free(&arena);
-  return result;
+static kt_exit write_format(const void *context, kt_format format, const km_text *record) {
+  const map_answer *a = context;
+  return format == KT_CSV    ? write_tables(a)
+         : format == KT_JSON ? kt_write(&a->o->common, a->o->base, "map", "json", record)
+                             : write_picture(a, format);
+}
+
+static const km_value *record_map(const void *context, km_arena *arena) {
+  const map_answer *a = context;
+  return kspace_map_record(a->pose, a->o->model, &a->def, &a->modes, &a->map, arena);
+}
+
+static void print_map(const void *context, km_text *out) {
+  const map_answer *a = context;
+  kspace_print_map(a->pose->model, a->o->model, &a->def, &a->modes, &a->map, out);
+}
+
+/* True if modes may lack, or curves of the outline. */
+static bool is_partial(const map_answer *a) {
+  return !a->modes.is_complete || (a->def.has_point && (!isfinite(a->map.workspace_area) || a->map.unbounded > 0));
+}
+
+/* Finds the modes and follows the map. */
+static km_status follow_map(map_answer *a, kt_progress *progress, km_error *error) {
+  const kt_pose *pose = a->pose;
+  const km_space_axis *axis = a->def.axis;
+  km_status status = km_map_modes_find(pose->mechanism, pose->state, axis[0].coordinate, axis[1].coordinate,
+                                       a->o->common.seed, kt_progress_show, progress, &a->modes, error);
+  if (!status && a->o->own && a->modes.count > 1)
+    a->modes.count = 1; /* the first one is that of the pose */
+  a->modes.is_complete = a->modes.is_complete || a->o->own;
+  return status ? status
+                : km_space_map_compute(pose->mechanism, pose->state, &a->def, &a->modes, kt_progress_show, progress,
+                                       &a->map, error);
+}
+
+/* After Ctrl-C the answer has the finished sheets and the curves found so far. */
+static kt_exit compute(map_answer *a) {
+  km_error error;
+  kt_progress progress = kt_progress_start(&a->o->common);
+  kt_interrupts_catch();
+  km_status status = follow_map(a, &progress, &error);
+  kt_interrupts_release();
+  kt_progress_end(&progress);
+  if (status == KM_CANCELLED && kt_is_interrupted() && a->map.cells) {
+    kt_print_message(&a->o->common, KM_NOTE, "%s: %s; the answer has the finished sheets and the curves found so far",
+                     a->o->model, error.text);
+    a->modes.is_complete = false;
+    a->modes.gap = KM_GAP_STOPPED;
+    return KT_DONE;
+  }
+  if (status)
+    kt_print_message(&a->o->common, KM_ERROR, "%s: %s", a->o->model, error.text);
+  return kt_exit_of(status);
 }
 
 /* Draws the map of no mode, which has the columns only: what --show and --over-point need is there, or missing, before
@@ -189,27 +211,26 @@ static kt_exit check_picture(const options *o, const kt_pose *pose, const km_spa
 }
 
 static kt_exit run(const options *o, const kt_pose *pose) {
-  km_space_map_def def = {0};
-  km_all_modes modes = {0};
-  km_space_map map = {0};
+  map_answer a = {.o = o, .pose = pose};
+  const kspace_answer forms = {&a, record_map, print_map, write_format};
   kspace_map_figures figures = {0};
-  kt_exit result = read_axes(o, pose->model, &def);
+  kt_exit result = read_axes(o, pose->model, &a.def);
   if (result == KT_DONE) {
-    const int drivers[2] = {def.axis[0].coordinate, def.axis[1].coordinate};
+    const int drivers[2] = {a.def.axis[0].coordinate, a.def.axis[1].coordinate};
     result = kspace_map_figures_create(&o->common, pose, (kspace_ask)o->ask, drivers, &figures);
-    def.figures = figures.figures.count > 0 ? &figures.figures : NULL;
+    a.def.figures = figures.figures.count > 0 ? &figures.figures : NULL;
   }
   if (result == KT_DONE && (o->show || o->over_point))
-    result = check_picture(o, pose, &def);
+    result = check_picture(o, pose, &a.def);
   if (result == KT_DONE)
-    result = compute(o, pose, &def, &modes, &map);
+    result = compute(&a);
   if (result == KT_DONE)
-    result = deliver(o, pose, &def, &modes, &map);
-  if (result == KT_DONE && !modes.is_complete)
+    result = kspace_deliver(&o->common, &o->formats, o->base, &forms);
+  if (result == KT_DONE && is_partial(&a))
     result = KT_PARTIAL;
   kspace_map_figures_free(&figures);
-  km_space_map_free(&map);
-  km_all_modes_free(&modes);
+  km_space_map_free(&a.map);
+  km_all_modes_free(&a.modes);
   return result;
 }
 
@@ -260,8 +281,9 @@ kt_exit kspace_map(int argc, char **argv) {
       "and output of the model's analysis.mechanical_advantage; --ask forces the model's loads, and its "
       "analysis.actuators, else the drivers; --ask clearance the pairs of kspace clearance. The curves are followed by "
       "continuation of the closure with a null vector; each point is on the curve to rounding. Exit status 1: the list of "
-      "modes may lack some, and so the sheets. Ball joints, redundant conditions and more freedoms are refused. JSON keys "
-      "beside those of every record: drivers (joint, from, to, steps), complete, modes, sheets, aspects, curves, workspace "
+      "modes may lack some, and so the sheets; the outline of the workspace isn't closed, or leaves grid points outside; or "
+      "Ctrl-C ended the work: the finished sheets and the curves found so far are written. Ball joints, redundant conditions and more freedoms are refused. JSON keys "
+      "beside those of every record: drivers (joint, from, to, steps), complete, reason (as that of modes), modes, sheets, aspects, curves, workspace "
       "(point, area, holes, gap, outside, aspects: aspect, area, circle, radius, rectangle, width, height), columns and "
       "rows of the grid.",
       argc, argv);

@@ -102,7 +102,9 @@ void kspace_print_map(const km_model *model, const char *file, const km_space_ma
     km_text_format(out, "; %d aspect%s free of both", map->aspect_count, map->aspect_count == 1 ? "" : "s");
   }
   km_text_format(out, "; %zu points\n", km_table_rows(map->curves));
-  if (def->has_point)
+  if (modes->gap == KM_GAP_STOPPED)
+    km_text_add(out, "stopped: further sheets and curves are missing\n");
+  else if (def->has_point)
     print_workspace(model, def, map, out);
 }
 
@@ -151,11 +153,13 @@ const km_value *kspace_map_record(const kt_pose *pose, const char *file, const k
     km_value_number(arena, driver, "steps", def->axis[d].steps);
   }
   km_value_boolean(arena, record, "complete", modes->is_complete);
+  if (!modes->is_complete)
+    km_value_string(arena, record, "reason", km_mode_gap_name(modes->gap));
   km_value_number(arena, record, "modes", modes->count);
   km_value_number(arena, record, "sheets", map->sheet_count);
   km_value_number(arena, record, "aspects", map->aspect_count);
   km_value_number(arena, record, "curves", map->curve_count);
-  if (def->has_point)
+  if (def->has_point && modes->gap != KM_GAP_STOPPED)
     add_workspace(def, map, record, arena);
   km_table_record(map->cells, record, arena);
   return arena->failed ? NULL : record;

@@ -148,23 +148,39 @@ static kt_exit write_answer(const kspace_modes_answer *a, km_arena *arena) {
   return result;
 }
 
+/* Searches the modes and their circuits. After Ctrl-C the answer has the modes found so far. */
+static kt_exit search(kspace_modes_answer *a) {
+  const kspace_modes_options *o = a->o;
+  const kt_pose *pose = a->pose;
+  km_error error;
+  const km_all_modes_def def = {
+      .locked = a->locked, .locked_count = a->locked_count, .within_limits = o->limits, .seed = o->common.seed};
+  kt_progress progress = kt_progress_start(&o->common);
+  kt_interrupts_catch();
+  km_status status =
+      km_all_modes_find(pose->mechanism, pose->state, &def, kt_progress_show, &progress, &a->modes, &error);
+  if (status == KM_CANCELLED)
+    a->circuits.gap = KM_CIRCUIT_GAP_STOPPED;
+  if (!status)
+    status = km_mode_circuits_find(pose->mechanism, pose->state, &def, &a->modes, kt_progress_show, &progress,
+                                   &a->circuits, &error);
+  kt_interrupts_release();
+  kt_progress_end(&progress);
+  bool is_stopped = status == KM_CANCELLED && a->modes.count > 0;
+  if (status)
+    kt_print_message(&o->common, is_stopped ? KM_NOTE : KM_ERROR, "%s: %s", o->model, error.text);
+  return is_stopped ? KT_DONE : kt_exit_of(status);
+}
+
 static kt_exit run(const kspace_modes_options *o, const kt_pose *pose) {
   kspace_modes_answer a = {.o = o, .pose = pose};
   km_arena arena = {0};
   km_error error;
   kt_exit result = choose_locked(&a, &arena);
+  if (result == KT_DONE)
+    result = search(&a);
   if (result == KT_DONE) {
-    const km_all_modes_def def = {
-        .locked = a.locked, .locked_count = a.locked_count, .within_limits = o->limits, .seed = o->common.seed};
-    kt_progress progress = kt_progress_start(&o->common);
-    km_status status =
-        km_all_modes_find(pose->mechanism, pose->state, &def, kt_progress_show, &progress, &a.modes, &error);
-    if (!status)
-      status = km_mode_circuits_find(pose->mechanism, pose->state, &def, &a.modes, kt_progress_show, &progress,
-                                     &a.circuits, &error);
-    kt_progress_end(&progress);
-    if (!status)
-      status = visit_modes(&a, &arena, &error);
+    km_status status = visit_modes(&a, &arena, &error);
     if (status)
       kt_print_message(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
     result = kt_exit_of(status);
@@ -173,7 +189,7 @@ static kt_exit run(const kspace_modes_options *o, const kt_pose *pose) {
     report_parts(&a);
     result = write_answer(&a, &arena);
   }
-  if (result == KT_DONE && !a.modes.is_complete)
+  if (result == KT_DONE && (!a.modes.is_complete || a.circuits.gap == KM_CIRCUIT_GAP_STOPPED))
     result = KT_PARTIAL;
   km_drawing_free(a.drawing);
   km_mode_circuits_free(&a.circuits);
@@ -206,10 +222,11 @@ kt_exit kspace_modes(int argc, char **argv) {
       "solution, and no other. Modes are told apart by the places of the bodies, without the halves of struts. The first "
       "mode is the pose; where its loops don't follow to the values of --set, it is one found from random starts. Modes that the mechanism's motion connects, with the joints of --set free, are one circuit; "
       "other circuits can't be reached without taking it apart. Limits are ignored there, and with several freedoms circuits "
-      "aren't answered. Exit status 1: the list may lack modes, or bodies move although the joints stay. "
-      "JSON keys beside those of every record: held, complete, reason (trace, lost, singular, self-motion, limit), "
+      "aren't answered. Exit status 1: the list may lack modes, bodies move although the joints stay, or Ctrl-C ended the search: the modes found "
+      "so far are listed. "
+      "JSON keys beside those of every record: held, complete, reason (trace, lost, singular, self-motion, limit, stopped), "
       "complex_solutions, section_points, trace_difference, estimate, samples, found_once, infinite, singular, "
-      "outside_limits, circuits, circuits_reason (freedoms, self-motion, ball, lost), modes (circuit, configuration, residual, certified, kantorovich, error_bound, radius, mobility, "
+      "outside_limits, circuits, circuits_reason (freedoms, self-motion, ball, lost, stopped), modes (circuit, configuration, residual, certified, kantorovich, error_bound, radius, mobility, "
       "mobility_numbers, mechanical_advantage, mechanical_advantage_state, singular, moves, within_limits), and input and "
       "output of the leverage, where the model's analysis.mechanical_advantage states them.",
       argc, argv);

@@ -58,6 +58,10 @@ static void print_gap(const km_all_modes *m, km_text *out) {
     km_text_format(out, "at least these: the search ended at its limit of work; %d complex solutions are known\n",
                    m->complex_solutions);
     break;
+  case KM_GAP_STOPPED:
+    km_text_format(out, "at least these: the search was stopped; %d complex solution%s known\n", m->complex_solutions,
+                   m->complex_solutions == 1 ? " is" : "s are");
+    break;
   }
 }
 
@@ -127,6 +131,9 @@ static void print_circuits(const kspace_modes_answer *a, km_text *out) {
     return;
   case KM_CIRCUIT_GAP_BALL:
     km_text_add(out, "circuits: not answered, since nothing but ball joints is held; hold a hinge or a slide\n");
+    return;
+  case KM_CIRCUIT_GAP_STOPPED:
+    km_text_add(out, "circuits: not answered, since the search was stopped\n");
     return;
   }
 }

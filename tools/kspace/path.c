@@ -128,27 +128,39 @@ static kt_exit write_picture(const options *o, const km_space_path *path, int dr
   return result;
 }
 
-static kt_exit write_files(const options *o, const kt_pose *pose, const km_space_path *path, const int *drivers,
-                           int count, double time) {
-  kt_exit result = KT_DONE;
-  for (int format = 0; result == KT_DONE && format < KT_FORMATS; ++format) {
-    if (!o->formats.wanted[format])
-      continue;
-    if (format == KT_JSON && (o->from || o->holds.count > 0))
-      kt_print_message(
-          &o->common, KM_NOTE,
-          "%s: --from and --hold are not in %s.path.json: give ksim inverse the same pose by --pose or --set, "
-          "and --hold",
-          o->model, o->base);
-    if (format == KT_CSV)
-      result = kspace_write_csv(&o->common, o->base, path->table, "path");
-    else if (format == KT_JSON)
-      result =
-          kspace_write_played_model(&o->common, o->model, pose->model, path->motion, drivers, count, time, o->base);
-    else
-      result = write_picture(o, path, count, (kt_format)format);
-  }
-  return result;
+typedef struct path_forms {
+  const options *o;
+  const kspace_path_answer *answer;
+  double time;
+} path_forms;
+
+static kt_exit write_format(const void *context, kt_format format, const km_text *record) {
+  const path_forms *f = context;
+  const options *o = f->o;
+  const kspace_path_answer *a = f->answer;
+  (void)record; /* the file is the model that plays the path */
+  if (a->path.outcome != KM_SPACE_PATH_FOUND)
+    return KT_DONE;
+  if (format == KT_CSV)
+    return kspace_write_csv(&o->common, o->base, a->path.table, "path");
+  if (format != KT_JSON)
+    return write_picture(o, &a->path, a->driver_count, format);
+  if (o->from || o->holds.count > 0)
+    kt_print_message(
+        &o->common, KM_NOTE,
+        "%s: --from and --hold are not in %s.path.json: give ksim inverse the same pose by --pose or --set, "
+        "and --hold",
+        o->model, o->base);
+  return kspace_write_played_model(&o->common, o->model, a->pose->model, a->path.motion, a->drivers, a->driver_count,
+                                   f->time, o->base);
+}
+
+static const km_value *record_path(const void *context, km_arena *arena) {
+  return kspace_path_record(((const path_forms *)context)->answer, arena);
+}
+
+static void print_path(const void *context, km_text *out) {
+  kspace_print_path(((const path_forms *)context)->answer, out);
 }
 
 /* The values of all drivers at the end, from JOINT=VALUE,… */
@@ -212,31 +224,15 @@ static kt_exit find_path(const options *o, const kt_pose *to, const double *valu
   return kt_exit_of(status);
 }
 
-/* Writes the files of -o, and prints the text, or without -o the record if it is requested. */
-static kt_exit deliver(const options *o, const kspace_path_answer *a, double time) {
-  km_arena arena = {0};
-  km_text out = {0};
-  kt_exit result = KT_DONE;
-  if (o->base && a->path.outcome == KM_SPACE_PATH_FOUND)
-    result = write_files(o, a->pose, &a->path, a->drivers, a->driver_count, time);
-  if (!o->base && o->formats.wanted[KT_JSON])
-    km_json_write(kspace_path_record(a, &arena), &out);
-  else
-    kspace_print_path(a, &out);
-  if (result == KT_DONE)
-    result = arena.failed || out.failed ? KT_NO_MEMORY : kt_print(&o->common, &out);
-  km_text_free(&out);
-  km_arena_free(&arena);
-  return result;
-}
-
 static kt_exit run(const options *o, const kt_pose *from, const kt_pose *to) {
   kspace_path_answer a = {.pose = from, .model = o->model, .has_free_end = !to->model};
-  double values[KM_MAX_PATH_DRIVERS], time;
+  double values[KM_MAX_PATH_DRIVERS];
+  path_forms context = {.o = o, .answer = &a, .time = 1.0};
+  const kspace_answer forms = {&context, record_path, print_path, write_format};
   kept_clearance kept = {0};
   kt_exit result = read_drivers(o, from->model, a.drivers, &a.driver_count);
   if (result == KT_DONE)
-    result = read_numbers(o, &a.margin, &time);
+    result = read_numbers(o, &a.margin, &context.time);
   if (result == KT_DONE && !to->model)
     result = read_end(o, from->model, a.drivers, a.driver_count, values);
   if (result == KT_DONE)
@@ -244,7 +240,7 @@ static kt_exit run(const options *o, const kt_pose *from, const kt_pose *to) {
   if (result == KT_DONE)
     result = find_path(o, to, values, &kept, &a);
   if (result == KT_DONE)
-    result = deliver(o, &a, time);
+    result = kspace_deliver(&o->common, &o->formats, o->base, &forms);
   if (result == KT_DONE && a.path.outcome != KM_SPACE_PATH_FOUND)
     result = KT_PARTIAL;
   km_space_path_free(&a.path);

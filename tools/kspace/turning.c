@@ -86,14 +86,24 @@ static km_table *separate_curves(const km_table *curves, size_t driver, double t
   return NULL;
 }
 
-static kt_exit write_picture(const options *o, const km_model *model, const km_turning_def *def, const km_turning *t,
-                             kt_format format) {
+typedef struct turning_answer {
+  const options *o;
+  const kt_pose *pose;
+  const km_turning_def *def;
+  km_turning turning;
+} turning_answer;
+
+static kt_exit write_picture(const turning_answer *a, kt_format format) {
+  const options *o = a->o;
+  const km_model *model = a->pose->model;
+  const km_turning_def *def = a->def;
   km_text out = {0};
   km_error error = {0};
   km_chart *chart = NULL;
   const size_t y = 3 + (size_t)def->driver;
   bool is_angle = !km_model_coordinate_is_length(model, def->driver);
-  km_table *lines = separate_curves(t->curves, y, is_angle ? 2.0 * M_PI / km_model_units(model).angle->si : 0.0);
+  km_table *lines =
+      separate_curves(a->turning.curves, y, is_angle ? 2.0 * M_PI / km_model_units(model).angle->si : 0.0);
   km_text label = {0};
   km_text_format(&label, "%s (as in the file)", def->path);
   if (!lines || label.failed) {
@@ -119,55 +129,43 @@ static kt_exit write_picture(const options *o, const km_model *model, const km_t
   return result;
 }
 
-static kt_exit write_files(const options *o, const km_model *model, const km_turning_def *def, const km_turning *t,
-                           const km_text *record) {
-  kt_exit result = KT_DONE;
-  for (int format = 0; result == KT_DONE && format < KT_FORMATS; ++format) {
-    if (!o->formats.wanted[format])
-      continue;
-    if (format == KT_CSV)
-      result = kspace_write_csv(&o->common, o->base, t->curves, "turning");
-    else if (format == KT_JSON)
-      result = kt_write(&o->common, o->base, "turning", "json", record);
-    else if (t->curve_count > 0)
-      result = write_picture(o, model, def, t, (kt_format)format);
-    else
-      kt_print_message(&o->common, KM_NOTE, "%s: no picture: there is no dead point", o->model);
-  }
-  return result;
+static kt_exit write_format(const void *context, kt_format format, const km_text *record) {
+  const turning_answer *a = context;
+  const kt_common *common = &a->o->common;
+  if (format == KT_CSV)
+    return kspace_write_csv(common, a->o->base, a->turning.curves, "turning");
+  if (format == KT_JSON)
+    return kt_write(common, a->o->base, "turning", "json", record);
+  if (a->turning.curve_count > 0)
+    return write_picture(a, format);
+  kt_print_message(common, KM_NOTE, "%s: no picture: there is no dead point", a->o->model);
+  return KT_DONE;
 }
 
-/* Writes the files of -o, and prints the text, or the record if it is requested and has no file. */
-static kt_exit deliver(const options *o, const kt_pose *pose, const km_turning_def *def, const km_turning *t) {
-  km_arena arena = {0};
-  km_text text = {0}, json = {0};
-  bool wants_record = o->formats.wanted[KT_JSON];
-  if (wants_record)
-    km_json_write(kspace_turning_record(pose, def, t, &arena), &json);
-  kspace_print_turning(pose->model, def, t, &text);
-  kt_exit result = arena.failed || json.failed || text.failed ? KT_NO_MEMORY : KT_DONE;
-  if (result == KT_DONE && o->base)
-    result = write_files(o, pose->model, def, t, &json);
-  if (result == KT_DONE)
-    result = kt_print(&o->common, wants_record && !o->base ? &json : &text);
-  km_text_free(&text);
-  km_text_free(&json);
-  km_arena_free(&arena);
-  return result;
+static const km_value *record_turning(const void *context, km_arena *arena) {
+  const turning_answer *a = context;
+  return kspace_turning_record(a->pose, a->def, &a->turning, arena);
+}
+
+static void print_turning(const void *context, km_text *out) {
+  const turning_answer *a = context;
+  kspace_print_turning(a->pose->model, a->def, &a->turning, out);
 }
 
 static kt_exit run(const options *o, const kt_pose *pose, const km_turning_def *def) {
-  km_turning turning = {0};
+  turning_answer a = {.o = o, .pose = pose, .def = def};
+  const kspace_answer forms = {&a, record_turning, print_turning, write_format};
   km_error error;
   kt_progress progress = kt_progress_start(&o->common);
-  km_status status = km_turning_find(pose->mechanism, pose->state, def, kt_progress_show, &progress, &turning, &error);
+  km_status status =
+      km_turning_find(pose->mechanism, pose->state, def, kt_progress_show, &progress, &a.turning, &error);
   kt_progress_end(&progress);
   if (status)
     kt_print_message(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
-  kt_exit result = status ? kt_exit_of(status) : deliver(o, pose, def, &turning);
-  if (result == KT_DONE && !turning.is_complete)
+  kt_exit result = status ? kt_exit_of(status) : kspace_deliver(&o->common, &o->formats, o->base, &forms);
+  if (result == KT_DONE && !a.turning.is_complete)
     result = KT_PARTIAL;
-  km_turning_free(&turning);
+  km_turning_free(&a.turning);
   return result;
 }
 

@@ -6,12 +6,6 @@
 #include <stdio.h>
 #include <unistd.h>
 
-static volatile sig_atomic_t interrupted;
-
-static void interrupt(int signal_number) {
-  interrupted = signal_number;
-}
-
 /* Progress of the run: a bar on a terminal, ten times a second; otherwise one line a minute. */
 typedef struct watch {
   const kt_common *common;
@@ -38,7 +32,7 @@ static bool draw(void *context, double done) {
   double wait = w->terminal ? 0.1 : 60.0, first = w->terminal ? 1.0 : 60.0;
   if (!w->common->quiet && time - w->start > first && time - w->last > wait)
     report(w, done, time);
-  return !interrupted;
+  return !kt_is_interrupted();
 }
 
 static void watch_end(const watch *w) {
@@ -49,16 +43,13 @@ static void watch_end(const watch *w) {
 static kt_exit ask(const kstudy_request *r, const kstudy_open *o, const kstudy_ranks *ranks) {
   watch w = {.common = &r->common, .terminal = isatty(STDERR_FILENO), .start = kt_clock()};
   w.last = w.start;
-  struct sigaction action = {.sa_handler = interrupt}, before[2];
-  sigaction(SIGINT, &action, &before[0]);
-  sigaction(SIGTERM, &action, &before[1]);
+  kt_interrupts_catch();
   km_error error;
   km_status status = ranks->count > 1
                          ? km_design_study_run_leader(o->study, r->common.jobs, &ranks->crew, draw, &w, &error)
                          : km_design_study_run(o->study, r->common.jobs, draw, &w, &error);
   watch_end(&w);
-  sigaction(SIGINT, &before[0], NULL);
-  sigaction(SIGTERM, &before[1], NULL);
+  kt_interrupts_release();
   int computed = km_design_study_computed(o->study), found = km_design_study_found(o->study);
   if (status)
     kt_print_message(&r->common, KM_ERROR, "%s: %s%s", o->name, error.text,

@@ -23,9 +23,10 @@ typedef enum km_mode_gap {
   KM_GAP_LOST,     /* solutions were lost on the way to the closed loops */
   KM_GAP_SINGULAR, /* singular solutions: several may coincide, or the solutions there are curves */
   KM_GAP_MOVES,    /* a mode moves, although all held joints stay: the modes there are samples of a self-motion */
-  KM_GAP_LIMIT     /* the search ended at its limit of solutions or of work */
+  KM_GAP_LIMIT,    /* the search ended at its limit of solutions or of work */
+  KM_GAP_STOPPED   /* `progress` ended the search: the modes are those of the solutions found until then */
 } km_mode_gap;
-/* Returns "complete", "trace", "lost", "singular", "self-motion", "limit"; "" for another value. */
+/* Returns "complete", "trace", "lost", "singular", "self-motion", "limit", "stopped"; "" for another value. */
 KM_API const char *km_mode_gap_name(km_mode_gap gap);
 
 /* Evidence of one assembly mode. */
@@ -79,8 +80,8 @@ typedef struct km_all_modes_def {
  * the state; where the loops don't close from the state, the first one is that of a random start. The state keeps its
  * configuration. KM_USAGE: an index is invalid, locked coordinates lie in different
  * substructures, there is no loop, bodies can move although the locked coordinates stay (the message says in how many
- * ways), or a joint is a screw or coupled; KM_NO_RESULT: no start closes; KM_MEMORY; KM_CANCELLED. Free `*out` in any
- * case. O(complex solutions · 10³ · rank³). */
+ * ways), or a joint is a screw or coupled; KM_NO_RESULT: no start closes; KM_MEMORY; KM_CANCELLED: `*out` has the modes
+ * of the solutions found until then. Free `*out` in any case. O(complex solutions · 10³ · rank³). */
 KM_API km_status km_all_modes_find(const km_mechanism *mechanism, const km_state *state, const km_all_modes_def *def,
                                    km_progress progress, void *context, km_all_modes *out, km_error *error);
 KM_API void km_all_modes_free(km_all_modes *modes);
@@ -93,9 +94,10 @@ typedef enum km_circuit_gap {
   KM_CIRCUIT_GAP_FREEDOMS,    /* not answered: with the locked coordinates free, bodies move in several ways */
   KM_CIRCUIT_GAP_SELF_MOTION, /* not answered: modes are samples of self-motions */
   KM_CIRCUIT_GAP_BALL,        /* not answered: nothing but ball joints is locked */
-  KM_CIRCUIT_GAP_LOST         /* a curve was not followed to its end: circuits may be connected there */
+  KM_CIRCUIT_GAP_LOST,        /* a curve was not followed to its end: circuits may be connected there */
+  KM_CIRCUIT_GAP_STOPPED      /* not answered: `progress` ended the search */
 } km_circuit_gap;
-/* Returns "none", "freedoms", "self-motion", "ball", "lost"; "" for another value. */
+/* Returns "none", "freedoms", "self-motion", "ball", "lost", "stopped"; "" for another value. */
 KM_API const char *km_circuit_gap_name(km_circuit_gap gap);
 
 /* Circuits of a list of modes. */

@@ -1,0 +1,37 @@
+/* Writing and printing the answer of a command. */
+#include "kspace/kspace.h"
+
+#include "kmech/data.h"
+
+kt_exit kspace_write_csv(const kt_common *common, const char *base, const km_table *table, const char *result) {
+  size_t size = km_table_csv(table, NULL, 0);
+  char *bytes = size > 0 ? KM_NEW(char, size + 1) : NULL;
+  km_text out = {0};
+  kt_exit written = KT_NO_MEMORY;
+  if (bytes && km_table_csv(table, bytes, size + 1) == size) {
+    km_text_add(&out, bytes);
+    written = out.failed ? KT_NO_MEMORY : kt_write(common, base, result, "csv", &out);
+  }
+  km_free(bytes);
+  km_text_free(&out);
+  return written;
+}
+
+kt_exit kspace_deliver(const kt_common *common, const kt_formats *formats, const char *base, const kspace_answer *a) {
+  km_arena arena = {0};
+  km_text text = {0}, record = {0};
+  bool wants_record = formats->wanted[KT_JSON];
+  if (wants_record)
+    km_json_write(a->record(a->context, &arena), &record);
+  a->print(a->context, &text);
+  kt_exit result = arena.failed || record.failed || text.failed ? KT_NO_MEMORY : KT_DONE;
+  for (int format = 0; result == KT_DONE && base && format < KT_FORMATS; ++format)
+    if (formats->wanted[format])
+      result = a->write(a->context, (kt_format)format, &record);
+  if (result == KT_DONE)
+    result = kt_print(common, wants_record && !base ? &record : &text);
+  km_text_free(&text);
+  km_text_free(&record);
+  km_arena_free(&arena);
+  return result;
+}
