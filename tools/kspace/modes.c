@@ -67,11 +67,12 @@ static km_status compute_leverage(kspace_modes_answer *a, km_state *state, km_ad
   km_transfer *lever;
   km_mobility mobility;
   *out = (km_advantage){.state = KM_ADVANTAGE_UNDEFINED, .value = nan("")};
-  if (km_transfer_create(a->pose->mechanism, &a->input, &a->output, &lever, error)) {
+  km_status status = km_transfer_create(a->pose->mechanism, &a->input, &a->output, &lever, error);
+  if (status) {
     a->has_leverage = false;
-    return KM_OK;
+    return status == KM_MEMORY ? status : KM_OK;
   }
-  km_status status = km_mobility_compute(a->pose->mechanism, state, &mobility);
+  status = km_mobility_compute(a->pose->mechanism, state, &mobility);
   if (!status)
     status = km_transfer_compute(a->pose->mechanism, state, lever, out);
   km_transfer_free(lever);

@@ -18,13 +18,16 @@ void km_path_trees_free(km_path_trees *g) {
 
 int km_path_trees_add(km_path_trees *g, km_path_tree *t, int parent) {
   void *saved = t->saved, *parents = t->parent;
+  size_t wanted = (size_t)t->count + 1;
   double *place = KM_ARENA_NEW(g->arena, double, g->steps->f.saved_size);
-  if (!place || !km_reserve(&saved, &t->saved_capacity, (size_t)t->count + 1, sizeof *t->saved))
-    return -1;
+  bool is_ok = place && km_reserve(&saved, &t->saved_capacity, wanted, sizeof *t->saved);
   t->saved = saved;
-  if (!km_reserve(&parents, &t->parent_capacity, (size_t)t->count + 1, sizeof *t->parent))
-    return -1;
+  is_ok = is_ok && km_reserve(&parents, &t->parent_capacity, wanted, sizeof *t->parent);
   t->parent = parents;
+  if (!is_ok) {
+    g->arena->failed = true;
+    return -1;
+  }
   km_driver_surface_save(&g->steps->f, place);
   t->saved[t->count] = place;
   t->parent[t->count] = parent;

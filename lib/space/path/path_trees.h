@@ -27,7 +27,7 @@ typedef struct km_path_trees {
 } km_path_trees;
 
 void km_path_trees_free(km_path_trees *trees);
-/* Adds the state's configuration to a tree. Returns its index; −1 when out of memory. */
+/* Adds the state's configuration to a tree. Returns its index; −1 when out of memory, and the arena has failed. */
 int km_path_trees_add(km_path_trees *trees, km_path_tree *tree, int parent);
 /* Steps from the state, node `from` of a tree, towards a saved configuration as long as that comes nearer, `most` steps
  * at most. Returns the last node; −1 when out of memory. *is_there: the configuration was reached. */
