@@ -13,9 +13,10 @@
 #include <math.h>
 #include <string.h>
 
-/* Root of the rounding of a sum. Rows shorter than this part of their matrix times |a| count as that short, so that the
- * weight 1/|W_k a| stays finite; a component of ∇h beside the range of H above this part of it isn't rounding. */
-static const double root_rounding = 1e-7;
+/* Root of the rounding of a sum: smaller parts of a length, whose square is a sum, are rounding. */
+static double root_of_sum_rounding(void) {
+  return sqrt(km_sum_rounding);
+}
 enum { MOST_STEPS = 300 };
 /* Random starts: 60 found the largest maximum of 1 000 starts at each row of twelve sweeps, 20 all but one (1.4 %). */
 enum { FIRST_STARTS = 60, LATER_STARTS = 2 };
@@ -95,14 +96,15 @@ static void weighted_squares(const ascent *q) {
   }
 }
 
-/* H of the play that counts, at a, from W a. */
+/* H of the play that counts, at a, from W a. Rows at rounding level keep its length, so that the weight 1/|W_k a| stays
+ * finite. */
 static void bound_of(const ascent *q, const double *a) {
   const int n = q->t->dimension;
   double size = km_norm(a, n);
   memset(q->weight, 0, (size_t)q->t->rows * sizeof *q->weight);
   for (int k = 0; k < q->t->play_count; ++k) {
     const km_support_term *t = &q->t->play[k];
-    double least = root_rounding * size * km_norm(q->t->length + t->first, t->rows);
+    double least = root_of_sum_rounding() * size * km_norm(q->t->length + t->first, t->rows);
     for (int r = t->first; r < t->first + t->rows && (!q->counts || q->counts[t->owner]) && least > 0.0; ++r)
       q->weight[r] = q->t->length[r] > 0.0 ? t->size / fmax(km_norm(q->Wa + t->first, t->rows), least) : 0.0;
   }
@@ -128,7 +130,7 @@ static bool solve(double *H, int n, double *x) {
   for (int i = 0; i < n; ++i) {
     for (int j = 0; j < i; ++j)
       x[i] -= H[i * n + j] * x[j];
-    if (H[i * n + i] == 0.0 && fabs(x[i]) > root_rounding * size)
+    if (H[i * n + i] == 0.0 && fabs(x[i]) > root_of_sum_rounding() * size)
       return false;
   }
   for (int i = 0; i < n; ++i)
@@ -174,7 +176,7 @@ static double ascend(const ascent *q, double *a) {
       return HUGE_VAL;
     normalise(q->x, n);
     double next = prolong(q, a, ratio_at(q, q->x), &reach);
-    if (!(next > value * (1.0 + km_ratio_accuracy)))
+    if (!(next > value * (1.0 + km_root_rounding)))
       break;
     value = next;
     memcpy(a, q->x, (size_t)n * sizeof *a);
@@ -215,9 +217,9 @@ bool km_ratio_search_create(int dimension, int most, km_arena *arena, km_ratio_s
 static void keep(km_ratio_search *s, double *values, double value, const double *a) {
   const size_t n = (size_t)s->dimension;
   int place = 0;
-  while (place < s->count && values[place] > value * (1.0 + km_ratio_accuracy))
+  while (place < s->count && values[place] > value * (1.0 + km_root_rounding))
     ++place;
-  if (place == s->most || (place < s->count && value <= values[place] * (1.0 + km_ratio_accuracy)))
+  if (place == s->most || (place < s->count && value <= values[place] * (1.0 + km_root_rounding)))
     return;
   s->count += s->count < s->most;
   for (int k = s->count - 1; k > place; --k) {

@@ -9,10 +9,9 @@
 
 #include "base/memory.h"
 
-#include <stdint.h>
+#include "base/number/tolerances.h"
 
-/* Relative accuracy of ρ: a step that raises it by less ends the ascent, and ratios that differ by less are equal. */
-static const double km_ratio_accuracy = 1e-6;
+#include <stdint.h>
 
 typedef struct km_support_term {
   double size;     /* radius of the ball */

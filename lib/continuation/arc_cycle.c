@@ -1,5 +1,6 @@
 /* Closed cycles of a continuation by arc length (theory 4.9): the motion returns to its origin within 1e-9, full turns
  * of hinges not counted. */
+#include "base/number/tolerances.h"
 #include "continuation/arc_motion.h"
 #include "kinematics/loop_closing.h"
 
@@ -36,7 +37,7 @@ bool km_arc_motion_meet_origin(km_arc_motion *f, double length) {
       return false;
     difference_from_origin(f, displacement);
   }
-  if (km_continuation_dot(&f->c, displacement, displacement) > km_step_tolerance * km_step_tolerance)
+  if (km_continuation_dot(&f->c, displacement, displacement) > km_relative_zero * km_relative_zero)
     return false;
   km_arc_motion_accept(f, reached);
   f->cycle = f->s - f->origin_s;

@@ -9,9 +9,6 @@
 #define KM_SHORTEST_ARC  1e-13  /* shortest arc length that rounding resolves */
 #define KM_MAX_ARCLENGTH 1000.0 /* longest advance, for the run time */
 
-/* Longest arc length of a step: the arc of the cubic between two configurations has an error of about h⁵/1000. */
-static const double km_longest_arc_step = 0.05;
-
 struct km_arc_motion {
   km_arena arena;
   km_continuation c; /* c.from is the present configuration of the motion */

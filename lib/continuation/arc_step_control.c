@@ -1,5 +1,6 @@
 /* Step control of a continuation by arc length (theory 4.9): halves on rejection, doubles up to 0.05; stops at limits,
  * locates branch points by the sign of g, and detects closed cycles. */
+#include "base/number/tolerances.h"
 #include "kmech/continuation.h"
 
 #include "continuation/arc_motion.h"
@@ -19,7 +20,7 @@ static void refine_limit(km_arc_motion *f) {
 /* Takes one controlled step of at most `most`; false if the motion ends. */
 static bool advance_one_step(km_arc_motion *f, double most) {
   double first_h = most / ceil(most / f->largest * (1.0 - km_relative_zero)); /* equal steps avoid a short last one */
-  for (double h = first_h; h >= fmin(km_step_tolerance, most); h *= 0.5) {
+  for (double h = first_h; h >= fmin(km_relative_zero, most); h *= 0.5) {
     double length;
     if (!(h == most ? km_arc_motion_step(f, h, &length) : km_arc_motion_try(f, h, &length)) ||
         length > most * (1.0 + km_relative_zero))

@@ -5,6 +5,7 @@
  *   end      : h < 1e-11 max(1, |s|): turning point (dead point) of the driver
  *   limit    : refined by one or two steps with the rate of the limited coordinate
  *   singular : passed by a step over it or by a Hermite bridge (singular_bridge.c) */
+#include "base/number/tolerances.h"
 #include "continuation/batch/batch_arrays.h"
 #include "continuation/driver_step.h"
 
@@ -13,8 +14,6 @@
 #include "kinematics/loop_equations.h"
 
 #include <string.h>
-
-static const double shortest = 1e-11; /* step below which a turning point counts as located */
 
 /* Attempts in a row without a step of km_driver_motion_short_step: near a singular configuration steps shrink and
  * grow by halves, so a continuation that still advances needs fewer. */
@@ -33,7 +32,7 @@ static double longest_driver_step(const km_driver_motion *d) {
 /* Returns the next step size after an accepted step of h: doubled if the predictor's error ratio permits it. Also
  * clears the mark of a turning point that the step left. */
 static double lengthen_step(km_driver_motion *d, double step, double h) {
-  if (fabs(h) > km_driver_motion_end_distance && !km_continuation_is_singular(d->c.state->factor[d->c.substructure]))
+  if (fabs(h) > km_root_rounding && !km_continuation_is_singular(d->c.state->factor[d->c.substructure]))
     d->current.stopped = 0.0;
   double share = step / fabs(h), square = share * share;
   double doubled = d->current.is_stiff ? 4.0 * square : 16.0 * (square * square);
@@ -99,7 +98,7 @@ static km_attempt advance_to_target(km_driver_motion *d, double target, int *lim
     km_singular_bridge_record(d, h);
     step = 0.5 * fabs(h);
     /* rates are large on the return from a located end */
-    double least = d->current.stopped * remaining < 0.0 ? km_sum_rounding : shortest;
+    double least = d->current.stopped * remaining < 0.0 ? km_sum_rounding : km_exact_misfit;
     if (step >= least * fmax(1.0, fabs(d->current.s)))
       continue;
     if ((result == KM_ATTEMPT_OPEN || result == KM_ATTEMPT_TOO_LONG) &&
@@ -158,7 +157,7 @@ static double clamp_to_driver_limit(const km_driver_motion *d, double goal) {
  * approaches only linearly. The state is then at the goal. */
 static bool close_at_turning_point(km_driver_motion *d, double goal) {
   const km_substructure *sub = km_driver_motion_substructure(d);
-  if (!(fabs(d->current.s - goal) <= km_step_tolerance))
+  if (!(fabs(d->current.s - goal) <= km_relative_zero))
     return false;
   km_closure evidence;
   int worst;
@@ -167,7 +166,7 @@ static bool close_at_turning_point(km_driver_motion *d, double goal) {
   km_loops_close(d->c.mechanism, d->c.state, d->c.substructure, d->c.column, &evidence);
   km_loops_update(d->c.mechanism, d->c.state, sub);
   km_state_invalidate_pivots(d->c.state, d->c.substructure);
-  if (km_loops_residual(d->c.mechanism, d->c.state, sub, &worst) <= km_residual_tolerance)
+  if (km_loops_residual(d->c.mechanism, d->c.state, sub, &worst) <= km_solved_rounding)
     return true;
   km_state_restore(d->c.state, sub, d->c.from);
   return false;

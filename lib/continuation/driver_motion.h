@@ -3,6 +3,7 @@
 #ifndef KM_CONTINUATION_DRIVER_MOTION_H
 #define KM_CONTINUATION_DRIVER_MOTION_H
 
+#include "base/number/tolerances.h"
 #include "continuation/minimum_norm_path.h"
 #include "continuation/node_curve.h"
 #include "continuation/predictor_corrector.h"
@@ -14,12 +15,11 @@ static const double km_driver_motion_diverging = 1e3;
 /* A step is doubled if the predictor's error over the allowed one would stay below this. In relation to its length the
  * error of a doubled step is 16 times, that of an implicit one 4 times larger. */
 static const double km_driver_motion_growth_limit = 0.8;
-/* A step longer than this moves away from a located turning point. A target nearer to the end of a step, relative to
- * the step, is reached by it: a remainder of rounding size would corrupt the history of the predictor. */
-static const double km_driver_motion_end_distance = 1e-6;
-/* True if a step of at most `step` reaches a target that is `remaining` away. */
+/* True if a step of at most `step` reaches a target that is `remaining` away. A target nearer to the end of a step than
+ * km_root_rounding, relative to the step, is reached by it: so short a step would corrupt the history of the
+ * predictor. */
 static inline bool km_driver_motion_reaches(double remaining, double step) {
-  return fabs(remaining) <= step * (1.0 + km_driver_motion_end_distance);
+  return fabs(remaining) <= step * (1.0 + km_root_rounding);
 }
 
 /* Position of the continuation besides its history and the state's configuration. */

@@ -3,6 +3,7 @@
  *   multistep      : weights of the tangents in multistep_body.h
  *   rotation vector: integral of its rate by the Magnus series */
 #include "continuation/minimum_norm_path.h"
+#include "base/number/tolerances.h"
 #include "base/number/vectors.h"
 
 #include "base/extrema.h"
@@ -183,5 +184,5 @@ double km_minimum_norm_path_predict_implicit(km_nearest_configuration *closest, 
     error = fabs(extrapolated[k]) <= error ? error : fabs(extrapolated[k]);
   /* The loops determine an implicit step to the step tolerance near singular configurations; the error decays on a
    * stiff path. */
-  return error / (km_path_allowed * km_max_norm(move, columns) + km_step_tolerance);
+  return error / (km_path_allowed * km_max_norm(move, columns) + km_relative_zero);
 }

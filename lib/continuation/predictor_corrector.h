@@ -12,6 +12,7 @@
 #include "continuation/hermite_curve.h"
 #include "kinematics/loop_closing.h"
 #include "local/constant_rank.h"
+#include "local/local.h"
 
 /* Pivot, relative to the largest entry, below which a configuration is singular: rounding errors then determine the
  * tangent. */
@@ -21,9 +22,6 @@ static inline bool km_continuation_is_singular(const km_factor *p) {
   return evidence.last_pivot < km_singular_pivot * evidence.scale;
 }
 
-/* First step beside a singular configuration, distance of the configurations by which it is located, and shortest first
- * step towards a new target: radians or substructure sizes. */
-static const double km_singular_step = 1e-3;
 /* Longest step of a parameter, the move of a coordinate being at most km_max_newton_step: radians or sizes. */
 static const double km_longest_step = 0.3;
 
@@ -86,7 +84,7 @@ static inline double km_least_step_cosine(double correction_ratio) {
 }
 /* Terms of a step with |D move| = length. */
 static inline km_step_terms km_step_terms_of(double correction_ratio, double length) {
-  return (km_step_terms){.most_correction = correction_ratio * length + km_step_tolerance,
+  return (km_step_terms){.most_correction = correction_ratio * length + km_relative_zero,
                          .least_cosine = km_least_step_cosine(correction_ratio)};
 }
 

@@ -6,6 +6,7 @@
  * independent, s fixed. Two tests show that both sides belong to one smooth motion: the coefficient of u^7 is of order
  * h^7, and closing the loops at seven places of |u| < 1 moves them by less than rounding does. A branch with another
  * tangent fails the second test by a part of h, one with the same tangent by a part of h^2. */
+#include "base/number/tolerances.h"
 #include "continuation/driver_step.h"
 
 #include "base/extrema.h"
@@ -15,11 +16,11 @@
 #include <string.h>
 
 /* Returns the largest distance of closed configurations from the interpolant: h^5, valid for |q^(7)| / 7! <= 1 / h^2;
- * the Newton step not applied (km_step_tolerance, 1e-9); and the closure error (km_residual_tolerance) over the
+ * the Newton step not applied (km_relative_zero, 1e-9); and the closure error (km_solved_rounding) over the
  * smallest pivot, times the largest weight, below 100. */
 static double allowed_deviation(const km_driver_motion *d) {
   const double h = d->bridge.curve.h;
-  return fabs(h * h * h * h * h) + km_step_tolerance + 100.0 * km_residual_tolerance / d->bridge.smallest_pivot;
+  return fabs(h * h * h * h * h) + km_relative_zero + 100.0 * km_solved_rounding / d->bridge.smallest_pivot;
 }
 
 /* Closes the loops with the driver fixed by the rows whose pivots stay away from 0 on the stretch. */
@@ -35,7 +36,7 @@ static bool close_independent_rows(km_driver_motion *d, double *correction) {
   km_state_invalidate_pivots(d->c.state, d->c.substructure);
   km_loops_update(d->c.mechanism, d->c.state, km_driver_motion_substructure(d));
   return km_loops_residual(d->c.mechanism, d->c.state, km_driver_motion_substructure(d), &worst) <=
-         km_larger(km_residual_tolerance, d->c.mechanism->closure_tolerance);
+         km_larger(km_solved_rounding, d->c.mechanism->closure_tolerance);
 }
 
 /* Puts the drive at s; *correction is how far the closed configuration is from the interpolated one. */
@@ -82,7 +83,7 @@ static bool advance_in_steps(km_driver_motion *d, double s, double most) {
   enum { MOST_ATTEMPTS = 100 };
   int limit = -1;
   double step = most;
-  for (int i = 0; i < MOST_ATTEMPTS && step > km_step_tolerance && d->current.s != s; ++i) {
+  for (int i = 0; i < MOST_ATTEMPTS && step > km_relative_zero && d->current.s != s; ++i) {
     double left = s - d->current.s, h = km_driver_motion_reaches(left, step) ? left : copysign(step, left);
     bool is_accepted = km_driver_motion_advance(d, h, km_correction_ratio, &limit) == KM_ATTEMPT_ACCEPTED;
     if (is_accepted && h == left) {

@@ -4,6 +4,7 @@
  *   held coordinates: the mechanism that holds them is compiled once, at the configuration that was reached */
 #include "continuation/target_configuration.h"
 #include "base/arguments.h"
+#include "base/number/tolerances.h"
 #include "kinematics/loop_closing.h"
 #include "kmech/continuation.h"
 #include "local/bifurcation.h"
@@ -23,7 +24,7 @@ static double coordinate_value(const value_search *j, int coordinate) {
 
 /* True if the coordinate has the value to the residual tolerance of closed loops. */
 static bool has_value(const value_search *j, const km_hold *goal) {
-  return fabs(coordinate_value(j, goal->coordinate) - goal->value) <= km_residual_tolerance * (1.0 + fabs(goal->value));
+  return fabs(coordinate_value(j, goal->coordinate) - goal->value) <= km_solved_rounding * (1.0 + fabs(goal->value));
 }
 
 /* Sets a coordinate to the goal's value and locks it. */

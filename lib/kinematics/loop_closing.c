@@ -10,6 +10,7 @@
  *
  * Pivots of the last configuration are reused below a residual of 0.05 while the growth monitor accepts them (3.3). */
 #include "kinematics/loop_closing.h"
+#include "base/number/tolerances.h"
 
 #include "base/extrema.h"
 #include "kinematics/loop_equations.h"
@@ -66,11 +67,11 @@ static double tolerance_scale(const km_mechanism *m, const km_state *s, const km
   for (int k = 0; k < sub->columns; ++k)
     if (m->ball_of[coordinate[k]] < 0)
       largest = km_larger(fabs(s->q[coordinate[k]] / m->unit[coordinate[k]]), largest);
-  return km_smaller(1.0 + largest / km_max_tolerance_scale, km_max_tolerance_scale);
+  return km_smaller(1.0 + largest / km_max_tolerance_scale(), km_max_tolerance_scale());
 }
 
 static km_closure_outcome closed_outcome(const km_mechanism *m, double residual, double scale) {
-  return residual <= km_larger(m->closure_tolerance, scale * km_residual_tolerance) ? KM_CLOSED : KM_INCONSISTENT;
+  return residual <= km_larger(m->closure_tolerance, scale * km_solved_rounding) ? KM_CLOSED : KM_INCONSISTENT;
 }
 
 /* State of Newton's iteration. */
@@ -93,7 +94,7 @@ static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int in
   const km_substructure *sub = &m->substructures[index];
   const km_factor *p = s->factor[index];
   double *x = s->work, first = 0.0, scale = tolerance_scale(m, s, sub);
-  newton_state n = {.step = HUGE_VAL, .last = HUGE_VAL, .residual_tolerance = scale * km_residual_tolerance};
+  newton_state n = {.step = HUGE_VAL, .last = HUGE_VAL, .residual_tolerance = scale * km_solved_rounding};
   *evidence = (km_closure){.worst = -1, .last_step = x};
   for (int i = 0; i < MAX_ITERATIONS; ++i) {
     if (i == 0 && driver < 0)
@@ -106,7 +107,7 @@ static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int in
       return KM_OPEN;
     if (i == 0)
       first = evidence->residual;
-    n.step_tolerance = scale * (i == 0 && driver >= 0 ? km_residual_tolerance : km_step_tolerance);
+    n.step_tolerance = scale * (i == 0 && driver >= 0 ? km_solved_rounding : km_relative_zero);
     factor_step(m, s, index, pivoting, evidence->residual);
     n.step = newton_step(m, s, index, driver, x);
     n.is_residual_small = primary_rms(p, km_state_error(s, sub)) <= n.residual_tolerance;

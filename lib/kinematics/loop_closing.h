@@ -6,22 +6,23 @@
 #ifndef KM_KINEMATICS_LOOP_CLOSING_H
 #define KM_KINEMATICS_LOOP_CLOSING_H
 
+#include "base/number/tolerances.h"
 #include "kinematics/minimum_norm_step.h"
 #include "kinematics/state.h"
 
-/* rms of the primary rows e_p; also |δ|_∞ for a predicted configuration, whose error is not the square of an earlier
- * one: near singular configurations a small error can belong to a large distance (docs/theory.md 4.2). */
-static const double km_residual_tolerance = 1e-12;
-/* |δ|_∞: a small residual alone is not convergence near singular configurations. Configurations and steps closer than
- * this are equal. */
-static const double km_step_tolerance = 1e-9;
+/* Loops are closed if the rms of the primary rows e_p is at most σ_s km_solved_rounding and |δ|_∞ at most σ_s
+ * km_relative_zero: a small residual alone is not convergence near singular configurations. |δ|_∞ of a predicted
+ * configuration is at most σ_s km_solved_rounding, because its error is not the square of an earlier one (docs/theory.md
+ * 4.2). */
 static const double km_max_newton_step = 0.6;       /* radians, or substructure sizes */
 static const double km_pivot_reuse_residual = 0.05; /* residual below which the pivots of the last configuration are
                                                      * reused */
 
-/* Tolerance scale σ_s = min(1 + max|q_j| / 1e3, 1e3): coordinates of many turns carry their rounding into the loops
- * (docs/theory.md 4.1). */
-static const double km_max_tolerance_scale = 1e3;
+/* Largest tolerance scale: σ_s = min(1 + max|q_j| / 1e3, 1e3), since coordinates of many turns carry their rounding into
+ * the loops (docs/theory.md 4.1). Beyond it a closed residual is no smaller than a step that counts as 0. */
+static inline double km_max_tolerance_scale(void) {
+  return km_relative_zero / km_solved_rounding;
+}
 typedef enum km_closure_outcome {
   KM_CLOSED,
   KM_INCONSISTENT, /* primary rows close, secondary rows keep more than the closure tolerance */

@@ -4,6 +4,7 @@
  *
  * Unknowns of fixed coordinates and secondary rows are removed by unit rows. K is factored by sparse LU (3.6). */
 #include "kinematics/nearest_configuration.h"
+#include "base/number/tolerances.h"
 #include "base/number/vectors.h"
 
 #include "base/extrema.h"
@@ -191,7 +192,7 @@ bool km_nearest_configuration_find(km_nearest_configuration *c, const km_mechani
     double last = largest;
     largest = km_max_norm(c->x, sub->columns);
     /* Steps stagnate near singular configurations: the loops are nearly indifferent to the remainder. */
-    is_converged = largest <= 0.1 * km_step_tolerance || (largest <= 10.0 * km_step_tolerance && largest > 0.25 * last);
+    is_converged = largest <= 0.1 * km_relative_zero || (largest <= 10.0 * km_relative_zero && largest > 0.25 * last);
     if (!isfinite(largest) || (!is_converged && largest > 2.0 * last))
       return false;
     double share = largest > km_max_newton_step ? km_max_newton_step / largest : 1.0;

@@ -11,8 +11,6 @@
 #include "linalg/factor.h"
 #include "topology/mechanism.h"
 
-/* Tolerance of a body's pose: radians, lengths over the substructure's size. Square root of km_solved_rounding. */
-static const double km_pose_tolerance = 1e-6;
 /* Multiplications of a search over starts or exchanges: about a second. */
 static const double km_search_work = 1e9;
 

@@ -5,6 +5,7 @@
  * The branch is the one that moves the driver fastest, or with several freedoms the one with the shortest step. A
  * motion by arc length that starts at a branch point takes the branch nearest to its tangent instead
  * (continuation/arc_branch_point.c); a sweep by arc length takes the branch of its plan (sweep/arc_sweep.c). */
+#include "base/number/tolerances.h"
 #include "local/bifurcation.h"
 
 #include "kinematics/loop_closing.h"
@@ -135,7 +136,7 @@ static bool depart_along(branch_departure *d, const double *direction, double dr
   double most = 0.0, rate = direction[d->column], side = driver_step * rate < 0.0 ? -1.0 : 1.0;
   for (int k = 0; k < d->sub->columns; ++k)
     most = fmax(most, fabs(direction[k]));
-  double length = 0.1 * km_longest_local_step / most;
+  double length = 0.1 * km_longest_arc_step / most;
   move_from_branch_point(d, direction, length);
   close_with_fixed(d, KM_NO_DRIVER, true);
   if (km_factor_freedom(d->s->factor[d->index]) <= 1)
@@ -145,7 +146,7 @@ static bool depart_along(branch_departure *d, const double *direction, double dr
   move_from_branch_point(d, direction, side * length);
   if (!close_with_fixed(d, d->column, true))
     km_state_restore(d->s, d->sub, d->last_accepted);
-  else if (length * fabs(rate) > 10.0 * sqrt(km_residual_tolerance)) /* loops open by the square of the step */
+  else if (length * fabs(rate) > 10.0 * sqrt(km_solved_rounding)) /* loops open by the square of the step */
     approach_nearest(d);
   return true;
 }

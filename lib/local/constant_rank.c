@@ -5,6 +5,7 @@
  *   step     : Σ_o y_o Q_i(v, o) = −w_iᵀ J z_v  for all i, v, by least squares; o: tangents outside U
  *   test     : no other tangent satisfies second order; four steps along U, ahead or back, keep rank and dimension */
 #include "local/constant_rank.h"
+#include "base/number/tolerances.h"
 
 #include "kinematics/loop_equations.h"
 #include "linalg/factor.h"
@@ -15,7 +16,6 @@
 /* Tangent in U: the projection of a direction, or the motion of the driver. */
 bool km_constant_rank_tangent(const km_constant_rank *st, const km_mechanism *m, int index, int driver,
                               const double *direction, double *t) {
-  static const double min_share = 1e-6;
   const km_substructure *sub = &m->substructures[index];
   const double *weight = m->column_weight + sub->column_start;
   int n = sub->columns;
@@ -33,7 +33,7 @@ bool km_constant_rank_tangent(const km_constant_rank *st, const km_mechanism *m,
   double size = km_step_length(m, sub, t), unit = driver >= 0 ? t[driver] : size;
   for (int c = 0; c < n; ++c)
     t[c] /= unit;
-  return size > min_share;
+  return size > km_root_rounding;
 }
 
 /* Tangents of a configuration, divided into those of constant rank and the others. */
@@ -163,10 +163,10 @@ static double apply_deflation_step(km_constant_rank *st, const km_mechanism *m, 
   if (x && split_tangents(&p, m, s, index, st->count, st->rank_tolerance, &arena) &&
       km_factor_rank(s->factor[index]) == st->rank && store_tangents(st, &p))
     size = compute_deflation_step(st, &p, driver, x);
-  if (size > km_residual_tolerance && size < km_longest_local_step && size < last)
+  if (size > km_solved_rounding && size < km_longest_arc_step && size < last)
     km_state_move(m, s, sub, x);
   km_arena_free(&arena);
-  return size <= km_residual_tolerance ? 0.0 : size < km_longest_local_step ? size : HUGE_VAL;
+  return size <= km_solved_rounding ? 0.0 : size < km_longest_arc_step ? size : HUGE_VAL;
 }
 
 /* Closes the primary rows to full accuracy: the last Newton step, below the tolerance, is applied too. */
@@ -188,11 +188,11 @@ static bool deflate(km_constant_rank *st, const km_mechanism *m, km_state *s, in
     double last = size;
     size = apply_deflation_step(st, m, s, index, driver, last);
     if (size >= last) /* step no longer decreases: converged to rounding, or diverging */
-      return last < km_step_tolerance;
+      return last < km_relative_zero;
     if (size != 0.0 && !close_exactly(st, m, s, index, driver, evidence))
       return false;
   }
-  return size < km_step_tolerance;
+  return size < km_relative_zero;
 }
 
 static void update_rank_tolerance(km_constant_rank *st, const km_factor *p) {
@@ -257,7 +257,7 @@ static step_outcome step_along_motion(km_constant_rank *st, const km_mechanism *
   if (!km_constant_rank_close(st, m, s, index, driver, &evidence))
     return evidence.residual > fabs(step * step * step) ? LOOPS_OPEN : RANK_CHANGED; /* a contact above third order */
   km_update_and_search_pivots(m, s, index, KM_NO_DRIVER, evidence.residual);
-  bool exact = m->closure_tolerance_given || evidence.residual <= km_residual_tolerance;
+  bool exact = m->closure_tolerance_given || evidence.residual <= km_solved_rounding;
   return exact && km_factor_rank(s->factor[index]) == st->rank ? STEP_ACCEPTED : RANK_CHANGED;
 }
 

@@ -5,11 +5,11 @@
  *   confirmed: followed by 0.3, misfit <= tol = max(closure tolerance, 3 misfit(q₀))
  *   refuted  : misfit > 100 tol and order >= 1.5; or exact data and order >= 3.5, or exact data that end before 4e-3
  *   lost     : data not exact, ends before 4e-3;   undecided: otherwise */
+#include "base/number/tolerances.h"
 #include "kinematics/loop_closing.h"
 #include "kinematics/loop_equations.h"
 #include "local/local_private.h"
 
-static const double first_step = 1e-3;      /* scaled: radians or substructure sizes, of the fastest coordinate */
 static const double confirmed_length = 0.3; /* scaled; length of a confirmed tangent in each sense */
 static const double min_order = 1.5;        /* order of contact that refutes, for a misfit far above the tolerance */
 static const double min_order_of_exact_data = 3.5; /* order of contact that rounding of exact data does not
@@ -146,7 +146,7 @@ static void update_chord(const km_local *l, double length) {
   bool is_straight = length == 0.0 || km_step_dot(l->m, l->sub, l->chord, l->move) >=
                                           km_min_direction_cosine * km_step_length(l->m, l->sub, l->chord) *
                                               km_step_length(l->m, l->sub, l->move);
-  if (length < 20.0 * first_step && is_straight)
+  if (length < 20.0 * km_singular_step && is_straight)
     km_state_difference(l->s, l->sub, l->origin, l->chord);
 }
 
@@ -155,7 +155,7 @@ static km_tangent_verdict decide_verdict(const km_local *l, const misfit_record 
                                          bool is_complete) {
   double length = r->count ? r->length[r->count - 1] : 0.0, misfit = r->count ? r->worst[r->count - 1] : 0.0;
   bool exact = km_local_is_exact(l);
-  if (length < 4.0 * first_step)
+  if (length < 4.0 * km_singular_step)
     return exact ? KM_TANGENT_REFUTED : KM_TANGENT_LOST;
   double order = order_of_contact(r, l->residual);
   if ((misfit > km_significant_ratio * tolerance && order >= min_order) || (exact && order >= min_order_of_exact_data))
@@ -168,7 +168,7 @@ km_followed_tangent km_local_follow(km_local *l, const double *direction, double
   misfit_record r = {0};
   int column, columns = l->sub->columns, driver = -1;
   double start = l->residual, tolerance = fmax(l->m->closure_tolerance, 3.0 * start);
-  double first = fmin(fmax(first_step, start_step_ratio * start), km_longest_local_step), h = first;
+  double first = fmin(fmax(km_singular_step, start_step_ratio * start), km_longest_arc_step), h = first;
   double misfit = 0.0, length = 0.0, opening_length = HUGE_VAL; /* length at which the misfit exceeds the tolerance */
   km_followed_tangent result = {0};
   double size = fastest_column(direction, columns, &column);
@@ -178,7 +178,7 @@ km_followed_tangent km_local_follow(km_local *l, const double *direction, double
   km_state_invalidate_pivots(l->s, l->index);
   /* The curve is followed beyond that length, so that the order of contact can be estimated. */
   while (length < confirmed_length && !(length > 2.0 * opening_length && misfit > km_significant_ratio * tolerance) &&
-         r.count < MAX_SAMPLES && h >= (length > 0.0 ? 1e-3 * first_step : 0.1 * first)) {
+         r.count < MAX_SAMPLES && h >= (length > 0.0 ? 1e-3 * km_singular_step : 0.1 * first)) {
     driver = choose_fixed_column(l, driver);
     if (!take_step(l, driver, length, &misfit)) {
       scale_move(l, 0.5);
@@ -194,7 +194,7 @@ km_followed_tangent km_local_follow(km_local *l, const double *direction, double
       opening_length = fmin(opening_length, length);
     else if (opening_length == HUGE_VAL)
       result.length += km_step_length(l->m, l->sub, l->move);
-    h = fmin(1.5 * h, km_longest_local_step);
+    h = fmin(1.5 * h, km_longest_arc_step);
     predict(l, driver, h);
   }
   km_state_invalidate_pivots(l->s, l->index);

@@ -44,7 +44,7 @@ static void choose_random_motion(const km_mechanism *m, km_state *s, int index, 
   for (int c = 0; c < columns; ++c)
     fastest = fmax(fastest, fabs(move[c]));
   for (int c = 0; c < columns && is_mobile; ++c)
-    move[c] *= km_longest_local_step / fastest;
+    move[c] *= km_longest_arc_step / fastest;
   km_local_free(l);
   km_arena_free(&arena);
 }

@@ -121,7 +121,7 @@ static bool solve_on_sphere(sphere *p, double d) {
   gauss_newton(p);
   evaluate_at(p, p->x);
   double length = km_step_length(l->m, l->sub, p->y);
-  return km_loops_residual(l->m, l->s, l->sub, &worst) <= km_residual_tolerance && fabs(length - d) <= 1e-6 * d;
+  return km_loops_residual(l->m, l->s, l->sub, &worst) <= km_solved_rounding && fabs(length - d) <= 1e-6 * d;
 }
 
 /* Error of the last solution for a residual: the residual over the smallest singular value of F'. */
@@ -139,7 +139,7 @@ static bool continues_to_origin(sphere *p) {
   for (int k = 0; k < n; ++k)
     p->previous_but_one[k] = 2.0 * p->y[k];
   for (int i = 0;
-       i < MIN_HALVINGS || (i < MAX_HALVINGS && solution_error(p, km_residual_tolerance) < km_secant_tolerance * p->d);
+       i < MIN_HALVINGS || (i < MAX_HALVINGS && solution_error(p, km_solved_rounding) < km_secant_tolerance * p->d);
        ++i) {
     memcpy(p->last, p->y, (size_t)n * sizeof *p->last);
     /* Predictor: parabola through q0 and the last two solutions. */

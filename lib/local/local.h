@@ -19,6 +19,17 @@ typedef struct km_local km_local;
 /* Length that remains of a unit vector which the others don't span: spanned ones leave rounding, others far more. */
 #define KM_INDEPENDENT 1e-3
 
+/* Misfit that closing leaves on exact data, and shortest step of a driver that closing resolves: scaled. */
+static const double km_exact_misfit = 1e-11;
+/* First step beside a singular configuration, distance of the configurations by which it is located, and shortest first
+ * step towards a new target: radians or substructure sizes, of the fastest coordinate. */
+static const double km_singular_step = 1e-3;
+/* Longest step along a curve of configurations, scaled. The arc of the cubic between two configurations has an error of
+ * about h⁵/1000. */
+static const double km_longest_arc_step = 0.05;
+/* Least cosine between directions of one curve at two lengths: 37 degrees. */
+static const double km_min_direction_cosine = 0.8;
+
 /* Creates the analysis at the state's closed configuration, in the arena. `passive`: known passive freedoms of the
  * mechanism, which are separated from the others; NULL: none are known. The rank tolerance is at least `min_tolerance`.
  * The queries move the state. NULL when out of memory. */

@@ -12,12 +12,6 @@ enum {
   KM_MAX_BASIS_FREEDOM = 12 /* freedoms up to which branches are enumerated: n folded loops have 2^n branches */
 };
 
-/* Misfit that closing leaves on exact data. */
-static const double km_exact_misfit = 1e-11;
-/* Longest step along a motion, scaled: radians or substructure sizes. */
-static const double km_longest_local_step = 0.05;
-/* Least cosine between directions of one curve at two lengths: 37 degrees. */
-static const double km_min_direction_cosine = 0.8;
 /* Tolerance of a condition over the size of Q. A condition that is a square converges slowly to its zero; below this
  * the direction is tried. */
 static const double km_condition_tolerance = 1e-5;

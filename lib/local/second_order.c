@@ -6,6 +6,7 @@
  *   dimension bound: freedom − rank { Q_i a }
  *
  * The basis stores all Q_i; the other back end evaluates v_i and g_i (second_order_columns.c). */
+#include "base/number/tolerances.h"
 #include "kinematics/loop_closing.h"
 #include "kinematics/loop_equations.h"
 #include "local/second_order_columns.h"
@@ -247,7 +248,7 @@ bool km_local_solve_second_order(km_local *l, double *a) {
     return !l->arena->failed && !l->lacks_conditions;
   for (int pass = 0; pass < MAX_PASSES && !l->has_definite; ++pass) {
     double damping = 1e-9 + 1e-3 * worst;
-    if (worst < km_step_tolerance)
+    if (worst < km_relative_zero)
       return true;
     if (l->has_basis)
       add_step(l, damping, a);

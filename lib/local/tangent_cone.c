@@ -1,4 +1,5 @@
 /* Tangents of finite motions: regular configurations, random starts on the tangent cone (docs/theory.md 5.2-5.5). */
+#include "base/number/tolerances.h"
 #include "kinematics/loop_closing.h"
 #include "local/local_private.h"
 
@@ -53,7 +54,7 @@ static bool is_one_tangent(km_local *l, const double *a, const double *b) {
     mean[i] = a[i] + copysign(1.0, along) * b[i];
   km_local_normalise(l, mean);
   double violation = fmax(km_local_violation(l, a), km_local_violation(l, b));
-  return km_local_violation(l, mean) <= violation_ratio * fmax(violation, km_step_tolerance);
+  return km_local_violation(l, mean) <= violation_ratio * fmax(violation, km_relative_zero);
 }
 
 /* True if the tangent `a` is among the known ones. */

@@ -5,6 +5,7 @@
  *   ε = max(1e-4 min(1, |e| / 0.01)², 1e-10)
  *   active limits : their coordinates are locked while the step is found
  *   rejected      : correction > 0.3 of the step, lower rank, cosine with the new tangent space < 0.8 */
+#include "base/number/tolerances.h"
 #include "manipulation/manipulation.h"
 
 #include "base/arguments.h"
@@ -12,6 +13,7 @@
 #include "kinematics/loop_closing.h"
 #include "kinematics/loop_equations.h"
 #include "local/bifurcation.h"
+#include "local/local.h"
 #include "mobility/mobility_numbers.h"
 
 #include <string.h>
@@ -21,8 +23,6 @@ static const double damping = 1e-4, least_damping = 1e-10; /* ε far from the ta
 static const double damping_distance = 0.01;               /* relative to L */
 /* relative to the step: a larger correction indicates another branch */
 static const double max_correction = 0.3;
-/* least cosine of the angle between the step and the tangent space at its end */
-static const double least_cosine = 0.8;
 static const double shortest_step = 1e-10; /* shortest step */
 
 typedef struct point_motion {
@@ -156,7 +156,7 @@ static bool activate_limit(km_manipulation *h) {
   for (int c = 0; c < m->coordinate_count; ++c) {
     if (h->blocked[c] || fabs(h->z[c]) < shortest_step || (!isfinite(m->low[c]) && !isfinite(m->high[c])))
       continue;
-    double q = h->state->q[c], slack = km_step_tolerance * m->unit[c];
+    double q = h->state->q[c], slack = km_relative_zero * m->unit[c];
     if ((h->z[c] > 0.0 && q >= m->high[c] - slack) || (h->z[c] < 0.0 && q <= m->low[c] + slack)) {
       h->blocked[c] = true;
       h->blocking = c;
@@ -227,7 +227,7 @@ static bool stays_on_branch(km_manipulation *h, int index, double part, const km
       dot += Z[k] * h->z[coordinate[k]];
     projected += dot * dot;
   }
-  return projected >= least_cosine * least_cosine * size;
+  return projected >= km_min_direction_cosine * km_min_direction_cosine * size;
 }
 
 /* Moves by a part of z and closes the loops; false if the step is rejected. */
@@ -372,7 +372,7 @@ km_status km_manipulation_pull_point(km_manipulation *h, const km_manipulation_p
   if (status)
     return status;
   double has_left_branch_point = update_remaining(&p), remaining_length = most;
-  for (int i = 0; i < MAX_STEPS && has_left_branch_point > km_step_tolerance && remaining_length > shortest_step; ++i) {
+  for (int i = 0; i < MAX_STEPS && has_left_branch_point > km_relative_zero && remaining_length > shortest_step; ++i) {
     double length = step(&p, remaining_length);
     if (length <= 0.0) {
       out->stop = h->blocking >= 0 ? KM_MANIPULATION_LIMIT : KM_MANIPULATION_NEAREST;
@@ -382,7 +382,7 @@ km_status km_manipulation_pull_point(km_manipulation *h, const km_manipulation_p
     remaining_length -= length;
     has_left_branch_point = update_remaining(&p);
   }
-  out->is_reached = has_left_branch_point <= km_step_tolerance;
+  out->is_reached = has_left_branch_point <= km_relative_zero;
   out->remaining = has_left_branch_point * p.length;
   return KM_OK;
 }

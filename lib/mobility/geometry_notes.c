@@ -1,5 +1,6 @@
 /* Notes about geometry: offsets along hinge axes, substructures that are rigid by rounding, doubtful ranks. */
 #include "mobility/geometry_notes.h"
+#include "base/number/tolerances.h"
 
 #include "kinematics/assembly.h"
 #include "kinematics/body_poses.h"
@@ -13,7 +14,7 @@ static void note_pin_offset(const km_mechanism *m, int index, km_messages *messa
   const km_model *model = m->model;
   const km_topology *t = &m->topology;
   double size = m->substructures[t->substructure_of_loop[index]].size;
-  if (!(fabs(loop->pin_offset) > km_pose_tolerance)) /* smaller ones come from the digits of a file */
+  if (!(fabs(loop->pin_offset) > km_root_rounding)) /* smaller ones come from the digits of a file */
     return;
   int base = t->base[index];
   km_vec3 n = loop->plane_normal;

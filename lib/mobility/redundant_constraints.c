@@ -4,6 +4,7 @@
  *   persistent: the vector remains, to half of its square, at a neighbouring configuration (7.3)
  *   remedies: joint types that remove the redundancy (7.4) */
 #include "base/arguments.h"
+#include "base/number/tolerances.h"
 #include "kinematics/body_poses.h"
 #include "kmech/mechanism.h"
 #include "local/generic_neighbour.h"
@@ -99,7 +100,7 @@ static bool is_out_of_plane(const redundancy_search *f, const km_redundancy *ite
     return false;
   for (int k = 0; k < 3; ++k)
     along += n[k] * item->direction[k];
-  return item->rotation ? fabs(along) < km_pose_tolerance : fabs(along) > 1.0 - km_pose_tolerance;
+  return item->rotation ? fabs(along) < km_root_rounding : fabs(along) > 1.0 - km_root_rounding;
 }
 
 /* Separates moments from forces in the vectors of every single loop. */

@@ -232,18 +232,17 @@ static double nearest_value(const km_nearest_mechanism *n, int k) {
 /* Adds the changes of a substructure; its largest is entered in the verdict. */
 static void record_changes(examination *x, result *r) {
   /* rounding errors of the search in last digits: smaller changes are none, and of equal ones the first is named */
-  static const double no_change = 1e-6;
   const km_nearest_mechanism *n = &x->nearest;
   for (int k = 0; k < n->count; ++k) {
     const km_written_number *number = &n->number[k];
     double nearest = nearest_value(n, k), digits = 0.5 * n->x[k];
     if (number->index >= 0)
       digits = 0.5 * (nearest - number->value) / n->half[k];
-    if (fabs(digits) <= no_change)
+    if (fabs(digits) <= km_root_rounding)
       continue;
     km_number_change change = {n->index, "", number->value, nearest, digits};
     write_place(x->model, number, change.place);
-    if (fabs(digits) > x->verdict.largest_change + no_change) {
+    if (fabs(digits) > x->verdict.largest_change + km_root_rounding) {
       x->verdict.largest_change = fabs(digits);
       memcpy(x->verdict.place, change.place, sizeof change.place);
     }

@@ -1,4 +1,5 @@
 /* All assembly modes of a mechanism with some coordinates locked (docs/theory.md 4.15 to 4.17). */
+#include "base/number/tolerances.h"
 #include "kmech/space.h"
 
 #include "base/arguments.h"
@@ -142,7 +143,7 @@ static km_status compile_system(modes_search *f, uint64_t *random, km_error *err
 static const double *ordering_values(modes_search *f) {
   double *values = KM_ARENA_NEW(&f->arena, double, (size_t)f->m->coordinate_count);
   for (int c = 0; values && c < f->m->coordinate_count; ++c)
-    values[c] = fabs(f->s->q[c]) <= km_pose_tolerance * f->m->unit[c] ? 0.0 : f->s->q[c];
+    values[c] = fabs(f->s->q[c]) <= km_root_rounding * f->m->unit[c] ? 0.0 : f->s->q[c];
   return values;
 }
 
@@ -169,7 +170,7 @@ static km_status add_mode(modes_search *f, bool is_first, km_error *error) {
   bool is_normal = is_first || km_mode_normalise(&f->work);
   km_poses_compute(f->m, f->s);
   for (int i = 0; i < f->count; ++i)
-    if (km_is_same_mode(f->m, f->placements, f->modes[i].pose, f->s->pose, sub->size, km_pose_tolerance))
+    if (km_is_same_mode(f->m, f->placements, f->modes[i].pose, f->s->pose, sub->size, km_root_rounding))
       return KM_OK;
   found_mode *mode = &f->modes[f->count];
   *mode = (found_mode){.saved = KM_ARENA_NEW(&f->arena, double, (size_t)(KM_SAVED_PER_COLUMN * sub->columns)),
@@ -210,7 +211,7 @@ static int compare_modes(const void *a, const void *b, void *context) {
   const modes_search *f = context;
   for (int c = 0; c < f->m->coordinate_count; ++c) {
     double difference = first->ordered[c] - second->ordered[c];
-    if (fabs(difference) > km_pose_tolerance * f->m->unit[c])
+    if (fabs(difference) > km_root_rounding * f->m->unit[c])
       return difference < 0.0 ? -1 : 1;
   }
   return 0;
@@ -234,7 +235,7 @@ static km_status collect_modes(modes_search *f, bool *is_first_found, km_error *
     km_state_restore(f->s, sub, f->ends.items[i]);
     km_poses_compute(f->m, f->s);
     *is_first_found = *is_first_found ||
-                      km_is_same_mode(f->m, f->placements, f->modes[0].pose, f->s->pose, sub->size, km_pose_tolerance);
+                      km_is_same_mode(f->m, f->placements, f->modes[0].pose, f->s->pose, sub->size, km_root_rounding);
     status = add_mode(f, false, error);
   }
   if (!status && f->count > 2)
@@ -286,7 +287,7 @@ static km_status write_mode(modes_search *f, const found_mode *mode, int k, km_a
   out->evidence[k].mobility = mobility.mobility;
   for (int c = 0; c < n; ++c) {
     bool is_zero =
-        f->m->substructure_of[c] == f->substructure && fabs(f->s->q[c]) <= km_residual_tolerance * f->m->unit[c];
+        f->m->substructure_of[c] == f->substructure && fabs(f->s->q[c]) <= km_solved_rounding * f->m->unit[c];
     out->coordinates[(size_t)k * (size_t)n + (size_t)c] = is_zero ? 0.0 : km_state_coordinate(f->s, c);
     out->mobility_numbers[(size_t)k * (size_t)n + (size_t)c] = km_mobility_number(f->s, c);
   }

@@ -9,6 +9,7 @@
  * A curve ends where it closes, or at infinity: a slide farther than FAR_SLIDE sizes. A curve that is not closed is
  * followed in both senses, and every other branch of each branch point is followed too. */
 #include "base/arguments.h"
+#include "base/number/tolerances.h"
 #include "continuation/arc_motion.h"
 #include "kinematics/body_poses.h"
 #include "kinematics/modes/mode_identity.h"
@@ -155,8 +156,7 @@ static bool refine(circuit_search *f, km_arc_motion *motion, double s, double le
 static int find_mode(circuit_search *f) {
   km_poses_compute(f->m, f->s);
   for (int i = 0; i < f->modes->count; ++i)
-    if (km_is_same_mode(f->m, f->placements, f->places[i].pose, f->s->pose, substructure_of(f)->size,
-                        km_pose_tolerance))
+    if (km_is_same_mode(f->m, f->placements, f->places[i].pose, f->s->pose, substructure_of(f)->size, km_root_rounding))
       return i;
   return -1;
 }
@@ -197,7 +197,7 @@ static bool add_branch_point(circuit_search *f, int node) {
   int modes = f->modes->count;
   km_poses_compute(f->m, f->s);
   for (int i = 0; i < f->branch_count; ++i)
-    if (km_is_same_mode(f->m, f->placements, f->branches[i].pose, f->s->pose, sub->size, km_pose_tolerance)) {
+    if (km_is_same_mode(f->m, f->placements, f->branches[i].pose, f->s->pose, sub->size, km_root_rounding)) {
       connect(f, node, modes + i);
       return true;
     }

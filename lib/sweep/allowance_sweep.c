@@ -2,6 +2,7 @@
  * each row; after the last one, from all rows, the joints whose play counts and the forces without play. */
 #include "allowance/strain_forces.h"
 #include "base/arguments.h"
+#include "base/number/tolerances.h"
 #include "base/table.h"
 #include "base/text.h"
 #include "kinematics/body_poses.h"
@@ -59,7 +60,7 @@ static double ratio_of(const station *at, int kind, const bool *counts, km_ratio
 
 static void take(km_peak *peak, double value, double s) {
   /* the first of equal values */
-  if (!isnan(value) && !(peak->value * (1.0 + km_ratio_accuracy) >= value))
+  if (!isnan(value) && !(peak->value * (1.0 + km_root_rounding) >= value))
     *peak = (km_peak){value, s};
 }
 

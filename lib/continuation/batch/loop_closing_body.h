@@ -144,8 +144,8 @@ static inline void compute_tolerance_scale(const km_batch *l, vector *tolerance_
     }
   }
   EACH(r) {
-    vector grown = 1.0 + tolerance_scale[r] / km_max_tolerance_scale;
-    tolerance_scale[r] = pick(below(grown, all(km_max_tolerance_scale)), grown, all(km_max_tolerance_scale));
+    vector grown = 1.0 + tolerance_scale[r] / km_max_tolerance_scale();
+    tolerance_scale[r] = pick(below(grown, all(km_max_tolerance_scale())), grown, all(km_max_tolerance_scale()));
   }
 }
 
@@ -166,7 +166,7 @@ static INLINED void close_loops(km_batch *l, mask *trying, vector *correction, v
   int moves = 0;
   compute_tolerance_scale(l, tolerance_scale, first, count);
   EACH(r) {
-    vector smallest = tolerance_scale[r] * km_residual_tolerance, tolerance = GET(l->closure_tolerance);
+    vector smallest = tolerance_scale[r] * km_solved_rounding, tolerance = GET(l->closure_tolerance);
     primary[r] = smallest * smallest * (double)l->elimination.rank;
     most[r] = 6.0 * SURE * larger(tolerance * tolerance, smallest * smallest);
     sum[r] = all(0.0);
@@ -174,7 +174,7 @@ static INLINED void close_loops(km_batch *l, mask *trying, vector *correction, v
   }
   for (; moves < MOST_ITERATIONS; ++moves) {
     vector square[REGISTERS], step[REGISTERS], error[REGISTERS], moved[REGISTERS];
-    const double settled = moves == 0 ? km_residual_tolerance : km_step_tolerance;
+    const double settled = moves == 0 ? km_solved_rounding : km_relative_zero;
     update(l, moves > 0, square, trying, first, count);
     refactor(l, largest_b, trying, first, count);
     newton_step(l, error, step, first, count);

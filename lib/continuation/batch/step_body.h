@@ -125,7 +125,7 @@ static INLINED void predict(km_batch *l, const vector *h, vector *error_ratio, m
 static inline void choose_step(const km_batch *l, vector *h, mask *arrives, int first, int count) {
   EACH(r) {
     vector left = GET(l->target) - GET(l->current.s), largest = GET(l->current.largest);
-    arrives[r] = at_most(size_of(left), largest * (1.0 + km_driver_motion_end_distance));
+    arrives[r] = at_most(size_of(left), largest * (1.0 + km_root_rounding));
     h[r] = pick(arrives[r], left, (vector)((word)largest | ((word)left & SIGN_BIT)));
   }
 }
@@ -253,7 +253,7 @@ static INLINED void accept_step(km_batch *l, const mask *took, const mask *arriv
   EACH(r) {
     vector s = GET(l->current.s), largest = GET(l->current.largest), q = GET(l->q[l->coordinate]);
     vector longest = next_step_size(largest, h[r], error_ratio[r], single_freedom);
-    mask away = took[r] & below(all(km_driver_motion_end_distance), size_of(h[r]));
+    mask away = took[r] & below(all(km_root_rounding), size_of(h[r]));
     PUT(l->current.largest_b, pick(took[r], largest_b[r], GET(l->current.largest_b)));
     PUT(l->current.last_h, pick(took[r], h[r], GET(l->current.last_h)));
     PUT(l->current.closed_at, pick(took[r], q, GET(l->current.closed_at)));

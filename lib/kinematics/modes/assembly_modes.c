@@ -3,6 +3,7 @@
  *   random starts: hinges uniform in [−π, π], slides within one size;   closing by 4.3;   equal modes merged
  *
  * Evidence: the number of starts that led to each mode, and the number of modes found once. */
+#include "base/number/tolerances.h"
 #include "kmech/mechanism.h"
 
 #include "base/arguments.h"
@@ -48,7 +49,7 @@ static int find_mode(const mode_search *f) {
   double size = substructure_of_search(f)->size;
   km_poses_compute(f->m, f->s);
   for (int i = 0; i < f->count; ++i)
-    if (km_is_same_mode(f->m, f->placements, f->modes[i].pose, f->s->pose, size, km_pose_tolerance))
+    if (km_is_same_mode(f->m, f->placements, f->modes[i].pose, f->s->pose, size, km_root_rounding))
       return i;
   return -1;
 }
@@ -104,7 +105,7 @@ static bool run_starts(mode_search *f, int starts) {
 static double output_coordinate(const mode_search *f, int c) {
   if (f->m->substructure_of[c] != f->work.substructure)
     return km_state_coordinate(f->original, c);
-  return fabs(f->s->q[c]) <= km_residual_tolerance * f->m->unit[c] ? 0.0 : km_state_coordinate(f->s, c);
+  return fabs(f->s->q[c]) <= km_solved_rounding * f->m->unit[c] ? 0.0 : km_state_coordinate(f->s, c);
 }
 
 /* Copies the modes within the joint limits to the result and counts the others. */

@@ -1,5 +1,6 @@
 /* Random starts and normal forms of assembly modes (mode_normalisation.h). */
 #include "kinematics/modes/mode_normalisation.h"
+#include "base/number/tolerances.h"
 #include "base/random.h"
 
 #include "kinematics/assembly.h"
@@ -93,7 +94,7 @@ static void choose_full_turns(km_mode_workspace *f) {
     if (!km_coordinate_turns(f->m, c))
       continue;
     double turn = remainder(*q - f->original->q[c], 2.0 * M_PI);
-    *q = f->original->q[c] + (turn < km_pose_tolerance - M_PI ? turn + 2.0 * M_PI : turn);
+    *q = f->original->q[c] + (turn < km_root_rounding - M_PI ? turn + 2.0 * M_PI : turn);
     if (*q > f->m->high[c])
       *q -= 2.0 * M_PI * ceil((*q - f->m->high[c]) / (2.0 * M_PI));
     else if (*q < f->m->low[c])

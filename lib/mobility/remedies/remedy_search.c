@@ -9,6 +9,7 @@
  * If the choice ends early, one chosen option is exchanged and the choice is continued, as long as fewer constraints
  * remain. The levels are admitted one after another until none remains. */
 #include "mobility/remedies/remedy_search.h"
+#include "base/number/tolerances.h"
 #include "base/number/vectors.h"
 
 #include "kinematics/body_poses.h"
@@ -17,9 +18,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Least pivot of a column of unit length: a weaker motion would turn errors of the links into motions a hundred times
- * as large. */
-static const double min_pivot = 1e-2;
 enum { NONE = -1, LEVELS = 4 };
 
 typedef struct candidate {
@@ -153,10 +151,12 @@ static void choose(search *f, int index, int option) {
                   f->redundant);
 }
 
+/* A motion with a pivot of a column of unit length below 1/100 would turn errors of the links into motions a hundred times
+ * as large. */
 static bool is_admitted(const search *f, int index, int option) {
   const candidate *c = &f->candidates[index];
   return c->level[option] <= f->level && km_motion_count(c->options[option].added) <= f->remaining &&
-         find_least_pivot(f, index, &c->options[option]) > min_pivot;
+         find_least_pivot(f, index, &c->options[option]) > 1.0 / km_significant_ratio;
 }
 
 /* Chooses the best admitted option of an unchanged joint. False if there is none. */
