@@ -65,10 +65,6 @@ typedef struct km_continuation {
   double *work;                   /* [columns] */
 } km_continuation;
 
-/* Largest |D correction| / |D move| of a driven step, and of one that leads by arc length or over a singular
- * configuration, where another branch is near. */
-static const double km_correction_ratio = 0.25, km_strict_correction_ratio = 0.05;
-
 /* Conditions under which a corrected step is accepted. */
 typedef struct km_step_terms {
   double parameter;       /* value of the driver at the end of the step, scaled */

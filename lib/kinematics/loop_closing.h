@@ -12,17 +12,22 @@
 
 /* Loops are closed if the rms of the primary rows e_p is at most σ_s km_solved_rounding and |δ|_∞ at most σ_s
  * km_relative_zero: a small residual alone is not convergence near singular configurations. |δ|_∞ of a predicted
- * configuration is at most σ_s km_solved_rounding, because its error is not the square of an earlier one (docs/theory.md
- * 4.2). */
+ * configuration is at most σ_s km_solved_rounding, because its error is not the square of an earlier one
+ * (docs/theory.md 4.2). */
 static const double km_max_newton_step = 0.6;       /* radians, or substructure sizes */
 static const double km_pivot_reuse_residual = 0.05; /* residual below which the pivots of the last configuration are
                                                      * reused */
 
-/* Largest tolerance scale: σ_s = min(1 + max|q_j| / 1e3, 1e3), since coordinates of many turns carry their rounding into
- * the loops (docs/theory.md 4.1). Beyond it a closed residual is no smaller than a step that counts as 0. */
+/* Largest tolerance scale: σ_s = min(1 + max|q_j| / 1e3, 1e3), since coordinates of many turns carry their rounding
+ * into the loops (docs/theory.md 4.1). With a larger one, open loops would count as closed. */
 static inline double km_max_tolerance_scale(void) {
   return km_relative_zero / km_solved_rounding;
 }
+/* Largest correction over a predicted step, |D correction| / |D move|: a larger one can lead to another branch. The
+ * strict one is for steps by arc length, from a branch point or over a singular configuration, where another branch is
+ * near. */
+static const double km_correction_ratio = 0.25, km_strict_correction_ratio = 0.05;
+
 typedef enum km_closure_outcome {
   KM_CLOSED,
   KM_INCONSISTENT, /* primary rows close, secondary rows keep more than the closure tolerance */

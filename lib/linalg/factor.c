@@ -4,6 +4,7 @@
  *
  *   step with pivot (r, c): l = J_:c / J_rc, l_r = 0;   J_:k <- J_:k − l J_rk  for all later columns k
  *   B_ik = (reduced entry) / pivot_i;   sign of det = product of the signs of the pivots */
+#include "base/number/tolerances.h"
 #include "linalg/dense/register_elimination.h"
 #include "linalg/dense/simd_pair.h"
 #include "linalg/sparse/sparse_lu.h"
@@ -260,11 +261,10 @@ void km_factor_compute(km_factor *p, const double *matrix, int rows, int columns
   p->max_b_at_search = o->growth_reference > 0.0 ? o->growth_reference : p->max_b;
 }
 
-/* True if the smallest pivot has grown a thousandfold since the search. Pivots chosen near a singular configuration can
+/* True if the smallest pivot has grown a hundredfold since the search. Pivots chosen near a singular configuration can
  * let entries grow elsewhere until no digits are left, which neither |B| nor the smallest pivot shows. */
 static bool have_pivots_outgrown(const km_factor *p, double inverse) {
-  static const double most_growth = 1e3; /* growth of the smallest pivot */
-  return p->sparse && p->rank > 0 && most_growth * inverse * p->smallest_pivot < 1.0;
+  return p->sparse && p->rank > 0 && km_significant_ratio * inverse * p->smallest_pivot < 1.0;
 }
 
 /* Refactors with the known pivots and applies the growth monitor. */

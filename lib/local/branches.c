@@ -80,9 +80,6 @@ typedef struct branch_departure {
   double *step; /* [columns] */
 } branch_departure;
 
-/* Directions with a driver rate below this ratio of the first one's lead to no shorter step. */
-static const double min_rate_ratio = 0.1;
-
 /* Restores the branch point and moves by length · direction. */
 static void move_from_branch_point(const branch_departure *d, const double *direction, double length) {
   for (int k = 0; k < d->sub->columns; ++k)
@@ -105,14 +102,13 @@ static bool close_with_fixed(const branch_departure *d, int driver, bool is_full
  * configurations to y = q − fraction (q − q₀), from the last one q; fraction grows to 1, where y = q₀ and all rows
  * close the loops. The state stays if a stage finds none. */
 static void approach_nearest(branch_departure *d) {
-  enum { MAX_STEPS = 40 };
-  static const double min_fraction = 1e-3;
+  enum { MAX_STEPS = 20 };
   km_nearest_configuration closest;
   if (d->m->ball_count > 0 || !km_nearest_configuration_reserve(&closest, d->m, d->sub, d->arena))
     return;
   double fraction = 0.5, *displacement = closest.displacement;
   bool is_nearest = false;
-  for (int i = 0; i < MAX_STEPS && !is_nearest && fraction > min_fraction; ++i) {
+  for (int i = 0; i < MAX_STEPS && !is_nearest; ++i) {
     km_state_save(d->s, d->sub, d->last_accepted);
     km_state_difference(d->s, d->sub, d->origin, displacement);
     double distance_before = km_step_length(d->m, d->sub, displacement);
@@ -163,8 +159,7 @@ static void choose_shortest(branch_departure *d, const double *directions, int c
   km_state_save(d->s, d->sub, d->best);
   for (int i = 0; i < count; ++i) {
     const double *direction = directions + (size_t)i * (size_t)d->sub->columns;
-    double rate = direction[d->column] / directions[(size_t)first * (size_t)d->sub->columns + (size_t)d->column];
-    if (i == first || fabs(rate) < min_rate_ratio || !depart_along(d, direction, driver_step) ||
+    if (i == first || direction[d->column] == 0.0 || !depart_along(d, direction, driver_step) ||
         !(relative_length(d) < shortest))
       continue;
     shortest = relative_length(d);

@@ -15,7 +15,6 @@ static const double min_order = 1.5;        /* order of contact that refutes, fo
 static const double min_order_of_exact_data = 3.5; /* order of contact that rounding of exact data does not
                                                              * produce */
 static const double max_order = 12.0;              /* a misfit that grows with a higher order has left the curve */
-static const double start_step_ratio = 30.0;       /* first step over the misfit of the configuration */
 
 enum { MAX_SAMPLES = 400 };
 
@@ -105,7 +104,8 @@ static bool take_step(km_local *l, int driver, double length, double *misfit) {
   double step_length = km_step_length(l->m, l->sub, l->move);
   bool closed = km_loops_close_by(l->m, l->s, l->index, &pivoting, &evidence) != KM_OPEN;
   if (closed && evidence.residual <= largest &&
-      evidence.correction <= (length > 0.0 ? 0.3 : 0.05) * step_length + repivot_slack(l)) {
+      evidence.correction <=
+          (length > 0.0 ? km_correction_ratio : km_strict_correction_ratio) * step_length + repivot_slack(l)) {
     *misfit = evidence.residual;
     if (!are_pivots_sufficient(l, p))
       km_state_invalidate_pivots(l->s, l->index);
@@ -168,7 +168,7 @@ km_followed_tangent km_local_follow(km_local *l, const double *direction, double
   misfit_record r = {0};
   int column, columns = l->sub->columns, driver = -1;
   double start = l->residual, tolerance = fmax(l->m->closure_tolerance, 3.0 * start);
-  double first = fmin(fmax(km_singular_step, start_step_ratio * start), km_longest_arc_step), h = first;
+  double first = fmin(fmax(km_singular_step, km_significant_ratio * start), km_longest_arc_step), h = first;
   double misfit = 0.0, length = 0.0, opening_length = HUGE_VAL; /* length at which the misfit exceeds the tolerance */
   km_followed_tangent result = {0};
   double size = fastest_column(direction, columns, &column);

@@ -21,7 +21,6 @@ enum { STARTS_PER_FREEDOM = 24, MAX_ITERATIONS = 60, MAX_NEWTON_STEPS = 30, MIN_
 enum { MAX_COVERED_FREEDOM = 3 }; /* freedoms for which the starts cover the sphere of tangents, 20 degrees apart */
 static const double radius =
     0.08; /* radius d: a contact of order n leaves a misfit of d^n, which must exceed the residual tolerance */
-static const double min_distance = 1e-4; /* relative to d: closer solutions are one */
 
 /* The system at one distance, with its workspace. */
 typedef struct sphere {
@@ -162,7 +161,7 @@ static bool is_new_half_branch(const sphere *p, const km_half_branches *out) {
   const km_local *l = p->l;
   for (int i = 0; i < out->count; ++i) {
     km_state_difference(l->s, l->sub, saved_of(out, l, i), p->last);
-    if (km_step_length(l->m, l->sub, p->last) <= min_distance * radius)
+    if (km_step_length(l->m, l->sub, p->last) <= km_root_rounding)
       return false;
   }
   return true;

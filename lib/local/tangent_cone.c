@@ -42,7 +42,6 @@ bool km_local_is_regular(km_local *l) {
 /* True if two tangents can be one. They are known as secants only if no condition is significant. Otherwise tangents
  * that are close and each satisfy the conditions are two if their mean violates them. */
 static bool is_one_tangent(km_local *l, const double *a, const double *b) {
-  static const double violation_ratio = 10.0; /* the mean of converged tangents of one branch has less by rounding */
   if (!km_local_is_significant(l) || !l->has_basis)
     return km_local_is_same(l, a, b, km_local_is_significant(l) ? km_tangent_tolerance : km_secant_tolerance);
   if (!km_local_is_same(l, a, b, km_tangent_tolerance))
@@ -54,7 +53,7 @@ static bool is_one_tangent(km_local *l, const double *a, const double *b) {
     mean[i] = a[i] + copysign(1.0, along) * b[i];
   km_local_normalise(l, mean);
   double violation = fmax(km_local_violation(l, a), km_local_violation(l, b));
-  return km_local_violation(l, mean) <= violation_ratio * fmax(violation, km_relative_zero);
+  return km_local_violation(l, mean) <= km_significant_ratio * fmax(violation, km_relative_zero);
 }
 
 /* True if the tangent `a` is among the known ones. */

@@ -2,9 +2,9 @@
  * allow, then the loops are closed.
  *
  *   w = Aᵀ (A Aᵀ + ε)⁻¹ e,  z = Z w:   A velocities of the point over L in the basis Z of D q̇, e displacement
- *   ε = max(1e-4 min(1, |e| / 0.01)², 1e-10)
+ *   ε = max(min(|e|, 0.01)², 1e-9)
  *   active limits : their coordinates are locked while the step is found
- *   rejected      : correction > 0.3 of the step, lower rank, cosine with the new tangent space < 0.8 */
+ *   rejected      : correction > 1/4 of the step, lower rank, cosine with the new tangent space < 0.8 */
 #include "base/number/tolerances.h"
 #include "manipulation/manipulation.h"
 
@@ -19,11 +19,7 @@
 #include <string.h>
 
 enum { MAX_STEPS = 4, MAX_HALVINGS = 14, MAX_ACTIVE_LIMITS = 12 };
-static const double damping = 1e-4, least_damping = 1e-10; /* ε far from the target, and its smallest value */
-static const double damping_distance = 0.01;               /* relative to L */
-/* relative to the step: a larger correction indicates another branch */
-static const double max_correction = 0.3;
-static const double shortest_step = 1e-10; /* shortest step */
+static const double max_damping = 0.01; /* √ε far from the target, relative to L */
 
 typedef struct point_motion {
   km_manipulation *h;
@@ -105,7 +101,7 @@ static void add_substructure_columns(point_motion *p, int index) {
 /* Solves (A Aᵀ + ε) x = e, 3 × 3 symmetric, by Cramer's rule. */
 static km_vec3 solve_damped(const point_motion *p) {
   km_vec3 e = km_vec3_from_array(p->e);
-  double share = fmin(1.0, km_vec3_norm(e) / damping_distance), epsilon = fmax(damping * share * share, least_damping);
+  double damping = fmin(km_vec3_norm(e), max_damping), epsilon = fmax(damping * damping, km_relative_zero);
   km_vec3 G[3] = {{epsilon, 0, 0}, {0, epsilon, 0}, {0, 0, epsilon}};
   for (int k = 0; k < p->freedoms; ++k)
     for (int i = 0; i < 3; ++i)
@@ -154,7 +150,7 @@ static double find_step(point_motion *p) {
 static bool activate_limit(km_manipulation *h) {
   const km_mechanism *m = h->mechanism;
   for (int c = 0; c < m->coordinate_count; ++c) {
-    if (h->blocked[c] || fabs(h->z[c]) < shortest_step || (!isfinite(m->low[c]) && !isfinite(m->high[c])))
+    if (h->blocked[c] || fabs(h->z[c]) < km_relative_zero || (!isfinite(m->low[c]) && !isfinite(m->high[c])))
       continue;
     double q = h->state->q[c], slack = km_relative_zero * m->unit[c];
     if ((h->z[c] > 0.0 && q >= m->high[c] - slack) || (h->z[c] < 0.0 && q <= m->low[c] + slack)) {
@@ -216,7 +212,7 @@ static bool stays_on_branch(km_manipulation *h, int index, double part, const km
   double size = 0.0, projected = 0.0;
   for (int k = 0; k < sub->columns; ++k)
     size += h->z[coordinate[k]] * h->z[coordinate[k]];
-  if (evidence->correction > max_correction * part * sqrt(size) + 1e-9 ||
+  if (evidence->correction > km_correction_ratio * part * sqrt(size) + km_relative_zero ||
       km_factor_rank(h->state->factor[index]) < h->rank[index])
     return false;
   km_numbers_update(m, h->state, index);
@@ -315,18 +311,18 @@ static double step(point_motion *p, double most) {
   find_path(p);
   for (int i = 0; i <= MAX_ACTIVE_LIMITS; ++i) {
     length = find_step(p);
-    if (length < shortest_step || !activate_limit(h))
+    if (length < km_relative_zero || !activate_limit(h))
       break;
   }
   if (h->blocking >= 0) {
     km_state_unlock(h->state);
     update_state(h);
   }
-  if (length < shortest_step)
+  if (length < km_relative_zero)
     return 0.0;
   double part = fmin(fmin(1.0, most / length), part_to_limits(h));
   km_manipulation_save(h);
-  for (int i = 0; i < MAX_HALVINGS && part * length > shortest_step; ++i, part *= 0.5) {
+  for (int i = 0; i < MAX_HALVINGS && part * length > km_relative_zero; ++i, part *= 0.5) {
     bool closed = move_substructures(h, part);
     if (closed) {
       move_tree_joints(p, part);
@@ -372,7 +368,8 @@ km_status km_manipulation_pull_point(km_manipulation *h, const km_manipulation_p
   if (status)
     return status;
   double has_left_branch_point = update_remaining(&p), remaining_length = most;
-  for (int i = 0; i < MAX_STEPS && has_left_branch_point > km_relative_zero && remaining_length > shortest_step; ++i) {
+  for (int i = 0; i < MAX_STEPS && has_left_branch_point > km_relative_zero && remaining_length > km_relative_zero;
+       ++i) {
     double length = step(&p, remaining_length);
     if (length <= 0.0) {
       out->stop = h->blocking >= 0 ? KM_MANIPULATION_LIMIT : KM_MANIPULATION_NEAREST;

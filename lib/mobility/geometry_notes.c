@@ -53,9 +53,7 @@ static bool is_rounding(const km_mechanism *m, int index, double pivot, double m
 
 /* Adds the note about a substructure that is rigid as written because of a pivot small enough for rounding. */
 static void note_rigid_by_rounding(const km_mechanism *m, km_state *s, int index, km_messages *messages) {
-  static const double redundant_pivot =
-      1e-3; /* relative to the largest pivot, with redundant constraints: the error of three digits */
-  static const double regular_pivot = 1e-4; /* relative to the largest pivot, without redundant constraints */
+  static const double largest_pivot = 1e-3; /* relative to the largest one: the error of three digits */
   const km_substructure *sub = &m->substructures[index];
   const km_factor *p = s->factor[index];
   km_suggestion suggestion;
@@ -65,8 +63,7 @@ static void note_rigid_by_rounding(const km_mechanism *m, km_state *s, int index
   const km_factor_evidence evidence = km_factor_get_evidence(p);
   double pivot = km_factor_rank(p) > 0 ? evidence.last_pivot / evidence.scale : 1.0;
   bool is_redundant = km_factor_rank(p) < sub->rows;
-  if (km_factor_freedom(p) > 0 || pivot > (is_redundant ? redundant_pivot : regular_pivot) ||
-      !km_assemble_suggest(m, index, 1, &suggestion) ||
+  if (km_factor_freedom(p) > 0 || pivot > largest_pivot || !km_assemble_suggest(m, index, 1, &suggestion) ||
       !(is_redundant || is_rounding(m, index, pivot, suggestion.misfit)))
     return;
   km_messages_add(messages, KM_NOTE,

@@ -21,7 +21,6 @@ static const double step_length = 0.25;
 static const double closed_gap = 2e-14;        /* scaled: the rounding error of a product of about ten poses */
 static const double polished = 0.25;           /* part of the bounds that is tried afterwards: as exact files give */
 static const double least_conditioning = 0.02; /* smallest singular value kept, relative to that at the start */
-static const double hopeless_change = 30.0;    /* halves: change of a number at which the search ends */
 static const double within_rounding = 1.05;    /* largest |x|: a half, and 5 % for the linear effect of a number on R */
 
 /* Gap of configurations between, where errors of x are a few times larger. */
@@ -329,7 +328,7 @@ static km_status iterate(km_nearest_mechanism *n, conditions *c, bool *closed, k
     if (*closed)
       return KM_OK;
     status = solve(n, c, error);
-    if (status || km_max_norm(n->x, n->count) > hopeless_change)
+    if (status || km_max_norm(n->x, n->count) > km_significant_ratio)
       return status;
   }
   return KM_OK;
@@ -492,7 +491,7 @@ km_status km_nearest_find(km_nearest_mechanism *n, bool *found, km_error *error)
     return status;
   for (int round = 0; round < MOST_ROUNDS; ++round) {
     status = iterate(n, &c, &closed, error);
-    if (status || !closed || km_max_norm(n->x, n->count) > hopeless_change)
+    if (status || !closed || km_max_norm(n->x, n->count) > km_significant_ratio)
       return status;
     if (n->configuration_count < target) {
       int next = 2 * n->configuration_count + 1, before = n->configuration_count;

@@ -8,9 +8,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Lengths below this part of the substructure's size are no links. */
-static const double least_length = 1e-3;
-
 /* Distance of two joints, and of what rounding makes of it. */
 typedef struct link {
   km_joint_end end[2];
@@ -173,7 +170,7 @@ static int list_links(const km_model *model, const body_ends *ends, const frame_
       double apart = km_vec3_norm(km_vec3_sub(model->frames[b.frame].pose.p, model->frames[a.frame].pose.p)) / size;
       double error = noise[a.frame].move + noise[b.frame].move + apart * (noise[a.frame].turn + noise[b.frame].turn);
       link l = {{a, b}, distance_of(model, a, b) / size, error};
-      if (l.length > least_length && l.length > 10.0 * error)
+      if (l.length > km_root_rounding && l.length > 10.0 * error)
         out[count++] = l;
     }
   return count;

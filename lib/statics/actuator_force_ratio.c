@@ -10,8 +10,6 @@
 #include <gsl/gsl_linalg.h>
 #include <gsl/gsl_math.h>
 
-static const double rounding = 0.1; /* part of the loads' rounding that counts as 0: digits that a root leaves */
-
 /* Returns the sign of det(rotation), rank × rank. */
 static double determinant_sign(km_actuator_workspace *h, int rank) {
   int sign;
@@ -169,7 +167,7 @@ static bool compute_block_ratio(const km_mechanism *m, int index, const km_stati
     for (int k = 0; k < rank; ++k) {
       double others = product(h, rank, k);
       sum -= gsl_matrix_get(h->U, (size_t)i, (size_t)k) * others * gsl_vector_get(h->load, (size_t)k);
-      rounding_level += others * rounding * h->noise;
+      rounding_level += others * h->noise;
     }
     n[a] =
         never_holds ? nan("") : sign * km_actuator_scale(m, st, a) * clear_rounding(sum, clears ? rounding_level : 0.0);
@@ -182,8 +180,7 @@ bool km_statics_ratios(const km_mechanism *m, km_statics *st, const double *moti
   bool comparable = true;
   for (int a = 0; a < st->actuator_count; ++a) {
     int c = st->work->tree_joint[a];
-    n[a] =
-        c >= 0 ? 0.0 - clear_rounding(st->work->tree_load[a], clears ? rounding * st->work->least_load[c] : 0.0) : 0.0;
+    n[a] = c >= 0 ? 0.0 - clear_rounding(st->work->tree_load[a], clears ? st->work->least_load[c] : 0.0) : 0.0;
     d[a] = c >= 0 && st->work->row[a] ? st->work->row[a][c] : 1.0;
   }
   for (int i = 0; i < st->work->block_count; ++i)

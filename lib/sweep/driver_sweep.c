@@ -40,19 +40,17 @@ static bool next_target(km_driver_sweep *w, double *target) {
   return false;
 }
 
-/* Returns the singular value within a factor of ten of the rank tolerance of rounded data; 0: none. Such an end is no
+/* Returns the singular value near the rank tolerance of rounded data; 0: the rank is not doubtful. A doubtful end is no
  * dead point. */
 static double rank_value(const km_mechanism *m, km_state *s, int substructure) {
-  static const double tolerance_band = 10.0;
-  const double tolerance = km_rank_tolerance(m, &m->substructures[substructure], 0.0);
   km_rank_evidence e;
   if (!m->closure_tolerance_given)
     return 0.0;
   km_update_and_search_pivots(m, s, substructure, KM_NO_DRIVER, 0.0);
   km_poses_compute(m, s);
-  if (km_rank_evidence_find(m, s, substructure, &e, NULL))
+  if (km_rank_evidence_find(m, s, substructure, &e, NULL) || !e.doubtful)
     return 0.0;
-  return e.dropped > tolerance / tolerance_band ? e.dropped : e.kept < tolerance_band * tolerance ? e.kept : 0.0;
+  return e.dropped > m->closure_tolerance ? e.dropped : e.kept;
 }
 
 /* Records the cause of a dead point at the start or the end: a doubtful rank, else the loops and joints. */

@@ -2,22 +2,24 @@
  *
  *   r_c(N, t) = |a_c + t Σ_k B_ck N_k| - N_c = 0,   J = -dr/dN,   load(t) = 1 - t Σ w_k N_k
  *   predict   : N + h dN/dt,  J dN/dt = dr/dt;     correct : Newton's method at t + h
- *   accept    : correction <= 1/4 of the largest force, sign of det J unchanged (or h <= 1e-8) */
+ *   accept    : correction <= 1/4 of the largest force, sign of det J unchanged (or h <= √ε) */
 #include "transfer/coulomb_friction.h"
 #include "base/number/tolerances.h"
 #include "base/number/vectors.h"
 
 #include "base/extrema.h"
+#include "kinematics/loop_closing.h"
 
+#include <float.h>
 #include <string.h>
 
 enum { MAX_ITERATIONS = 30, MAX_STEPS = 4000, STARTS = 8 };
 
-/* Longest step in t over which the load is linear and det J may change its sign; the shortest step is shorter, and the
- * correction of such a step longer, by km_significant_ratio. */
-static const double linear_step = 1e-8;
-/* Largest correction relative to the largest normal force: a larger one can change the branch. */
-static const double max_correction = 0.25;
+/* Longest step in t over which the load is linear and det J may change its sign: the square is rounding. The shortest
+ * step is shorter, and the correction of such a step longer, by km_significant_ratio. */
+static double linear_step(void) {
+  return sqrt(DBL_EPSILON);
+}
 
 static gsl_vector vector(km_arena *arena, int size) {
   return (gsl_vector){
@@ -133,9 +135,9 @@ static bool advance(km_friction *f, double t, double h) {
     correction = fmax(correction, fabs(f->tried[k] - f->predicted[k]));
   linearise(f, t + h, f->tried);
   bool sign_changed = factor_jacobian(f) != sign_before;
-  return correction <=
-             (sign_changed ? km_significant_ratio * linear_step : max_correction) * km_max_norm(f->N, f->count) &&
-         !(sign_changed && h > linear_step);
+  return correction <= (sign_changed ? km_significant_ratio * linear_step() : km_correction_ratio) *
+                           km_max_norm(f->N, f->count) &&
+         !(sign_changed && h > linear_step());
 }
 
 /* Continues the solution from t = 0 towards 1; returns the last t. */
@@ -145,7 +147,7 @@ static double continue_solution(km_friction *f) {
   double t = 0.0, h = 1.0;
   f->load = 1.0;
   f->locks_from = nan("");
-  for (int i = 0; i < MAX_STEPS && t < 1.0 && h > linear_step / km_significant_ratio &&
+  for (int i = 0; i < MAX_STEPS && t < 1.0 && h > linear_step() / km_significant_ratio &&
                   km_max_norm(f->N, f->count) < largest_force;
        ++i) {
     h = fmin(h, 1.0 - t);
@@ -155,7 +157,7 @@ static double continue_solution(km_friction *f) {
     }
     double load = remaining_load(f, t + h, f->tried);
     if (f->load > 0.0 && load <= 0.0) {
-      if (h > linear_step) {
+      if (h > linear_step()) {
         h *= 0.5;
         continue;
       }

@@ -10,8 +10,8 @@ static const double km_solved_rounding = 1e-12;
 /* Numbers that follow from a closed configuration by another such solution are 0 below this part of the others.
  * Configurations and steps closer than this, in radians or sizes, are equal. */
 static const double km_relative_zero = 1e-9;
-/* Square root of km_solved_rounding: accuracy of a number whose effect on a residual or on a maximum is of second order,
- * such as a body's pose at a singular configuration, in radians or lengths over the substructure's size. */
+/* Square root of km_solved_rounding: accuracy of a number whose effect on a residual or on a maximum is of second
+ * order, such as a body's pose at a singular configuration, in radians or lengths over the substructure's size. */
 static const double km_root_rounding = 1e-6;
 /* A number beyond its tolerance by this ratio is no effect of rounding or of rounded data. */
 static const double km_significant_ratio = 100.0;

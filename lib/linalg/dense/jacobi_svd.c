@@ -24,12 +24,6 @@ static void rotate(double *a, double *b, int count, double c, double s) {
   }
 }
 
-/* Squared length of a column after a rotation, computed again where it lost digits. */
-static double squared_length(const double *column, int m, double before, double after) {
-  static const double lost = 0.1;
-  return after > lost * before ? after : km_dot(column, column, m);
-}
-
 /* Makes two columns of W orthogonal, with their squared lengths; false if they were, or if one is shorter than `least`,
  * which is rounding. */
 static bool rotate_pair(int m, int n, double *W, double *V, double *squares, int p, int q, double least) {
@@ -44,8 +38,8 @@ static bool rotate_pair(int m, int n, double *W, double *V, double *squares, int
   const double c = 1.0 / sqrt(1.0 + t * t);
   rotate(a, b, m, c, c * t);
   rotate(V + (size_t)p * (size_t)n, V + (size_t)q * (size_t)n, n, c, c * t);
-  squares[p] = squared_length(a, m, aa, aa - t * ab);
-  squares[q] = squared_length(b, m, bb, bb + t * ab);
+  squares[p] = km_dot(a, a, m);
+  squares[q] = km_dot(b, b, m);
   return true;
 }
 

@@ -201,7 +201,6 @@ static double solve_minimum_norm(km_normal_equations *n) {
  * constant ratio, which bounds the remaining error. */
 static bool refine(km_normal_equations *n, double *x) {
   enum { MAX_REFINEMENTS = 4 };
-  static const double max_ratio = 0.1, rounding = 1e-15;
   double last = solve_minimum_norm(n), length = last;
   memcpy(x, n->step, (size_t)n->columns * sizeof *x);
   for (int i = 0; i < MAX_REFINEMENTS && length > 0.0; ++i) {
@@ -209,10 +208,8 @@ static bool refine(km_normal_equations *n, double *x) {
     double step = solve_minimum_norm(n);
     for (long c = 0; c < n->columns; ++c)
       x[c] += n->step[c];
-    if (step * step <= rounding * last * length)
+    if (step * step <= 5.0 * DBL_EPSILON * last * length)
       return true;
-    if (!(step <= max_ratio * last))
-      return false;
     last = step;
   }
   return length == 0.0;

@@ -41,15 +41,10 @@ double km_sparse_full_gram_cost(const km_factor *p) {
   return sum;
 }
 
-bool km_sparse_gram_is_dense(const km_factor *p) {
-  static const double max_ratio = 100.0; /* entries of the Gram matrix over entries of the matrix */
-  return km_sparse_full_gram_cost(p) > max_ratio * p->sparse->start[p->columns];
-}
-
 /* Creates the normal equations of the pattern once. */
 km_normal_equations *km_sparse_create_normal(const km_factor *p) {
   const km_sparse *s = p->sparse;
-  if (!s->normal || km_sparse_gram_is_dense(p))
+  if (!s->normal)
     return NULL;
   if (!*s->normal)
     *s->normal = km_normal_equations_create(p->rows, p->columns, s->start, s->row);

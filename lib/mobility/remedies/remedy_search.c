@@ -151,8 +151,8 @@ static void choose(search *f, int index, int option) {
                   f->redundant);
 }
 
-/* A motion with a pivot of a column of unit length below 1/100 would turn errors of the links into motions a hundred times
- * as large. */
+/* A motion whose column of unit length has a smaller pivot than 1/km_significant_ratio would turn errors of the links
+ * into much larger motions. */
 static bool is_admitted(const search *f, int index, int option) {
   const candidate *c = &f->candidates[index];
   return c->level[option] <= f->level && km_motion_count(c->options[option].added) <= f->remaining &&

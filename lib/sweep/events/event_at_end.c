@@ -28,11 +28,6 @@ void km_event_record_end_sample(km_event_search *search) {
   first->have++;
 }
 
-/* Relative accuracy of a located end. */
-static const double end_tolerance = 5e-9;
-/* Growth over four times the distance below which no power of the distance can be determined. */
-static const double min_growth = 1.2;
-
 /* Returns the distance of sample k to the end; the next sample is four times as far away. */
 static double distance_to_end(const km_end_samples *ending, int k) {
   return fabs(ending->s[k + 1] - ending->s[k]) / 3.0;
@@ -43,7 +38,7 @@ static double distance_to_end(const km_end_samples *ending, int k) {
  * root. */
 static double extrapolate_to_end(double x_1, double x_2, double x_4) {
   double parabola = (8.0 * x_1 - 6.0 * x_2 + x_4) / 3.0;
-  if (!(x_2 > min_growth * x_1 && x_4 > min_growth * x_2))
+  if (!(x_2 > x_1 && x_4 > x_2))
     return parabola;
   double power = (x_1 * x_4 - x_2 * x_2) / (x_1 + x_4 - 2.0 * x_2);
   return fabs(power) < fabs(parabola) ? power : parabola;
@@ -54,7 +49,8 @@ static double extrapolate_to_end(double x_1, double x_2, double x_4) {
 static bool vanishes_at_end(const double x[3], double value_at_end, double distance, double end) {
   double sign = copysign(1.0, x[0]), x_1 = sign * x[0], x_2 = sign * x[1], x_4 = sign * x[2];
   double remainder = fmin(fabs(extrapolate_to_end(x_1, x_2, x_4)), fabs(value_at_end)), difference = x_2 - x_1;
-  return x_4 != 0.0 && remainder * remainder * distance < difference * difference * end_tolerance * (1.0 + fabs(end));
+  return x_4 != 0.0 &&
+         remainder * remainder * distance < difference * difference * km_same_position * (1.0 + fabs(end));
 }
 
 /* Finds the event of function i = n/d at the end from sample k on; false: none. The quotient must vanish or diverge
@@ -88,7 +84,7 @@ static int find_end_samples(const km_end_samples *ending, double end) {
   for (int k = 1; k + 2 < ending->have; ++k) {
     double distance = distance_to_end(ending, k);
     bool is_geometric = fabs(fabs(s[k + 2] - s[k + 1]) - 12.0 * distance) < 0.01 * distance;
-    if (is_geometric && distance > 4.0 * end_tolerance * (1.0 + fabs(end)))
+    if (is_geometric && distance > 4.0 * km_same_position * (1.0 + fabs(end)))
       return k;
   }
   return -1;
