@@ -1,6 +1,7 @@
 /* Curves in a plane, cut where they cross or join (space/outline.h).
  *
- *   crossing : p_a(u) = p_b(v) by Newton's method from the chords;   joint: an end of one curve on another
+ *   crossing : p_a(u) = p_b(v) by Newton's method from the middles of parts that cross at most once
+ *   joint    : an end of one curve on another
  *   N(p)     : on the ray y = p_y, x > p_x, at each root of y(u): + jump where y grows, − jump where it falls */
 #include "space/outline.h"
 
@@ -8,8 +9,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_NEWTON = 12 };
-static const double parallel = 1e-5;   /* sine of the angle of curves that run along each other */
+enum { MOST_NEWTON = 12, MOST_HALVINGS = 3 /* of segments that run along each other */, NO_TURN = 2 };
+static const double converged = 1e-8; /* last correction of u: its square is rounding */
+static const double beyond_end =
+    1e-6;                            /* of u and the extent: points so far beyond an end of a segment count for both */
+static const double parallel = 1e-5; /* sine of the angle of curves that run along each other */
 static const double same_place = 3e-8; /* part of the extent: ends on another curve, whose error is 1e-9 */
 
 typedef struct cut {
@@ -32,25 +36,17 @@ static void add_cut(cut_list *list, int piece, double at) {
   list->items[list->count++] = (cut){piece, at};
 }
 
-/* Coefficients of the cubic with these ends and derivatives by u. */
-static void hermite(double a, double da, double b, double db, double *c) {
-  c[0] = a;
-  c[1] = da;
-  c[2] = 3.0 * (b - a) - 2.0 * da - db;
-  c[3] = 2.0 * (a - b) + da + db;
-}
-
-/* Roots of the cubic's derivative within 0 … 1, ascending; 2 for those that are missing. */
+/* Roots of the cubic's derivative within 0 … 1, ascending; NO_TURN for those that are missing. */
 static void find_turns(const double *c, double *turn) {
   double a = 3.0 * c[3], b = c[2], square = b * b - a * c[1];
-  turn[0] = turn[1] = 2.0;
+  turn[0] = turn[1] = NO_TURN;
   if (!(square > 0.0))
     return;
   double q = -(b + copysign(sqrt(square), b));
-  double root[2] = {q != 0.0 ? c[1] / q : 2.0, a != 0.0 ? q / a : 2.0};
+  double root[2] = {q != 0.0 ? c[1] / q : NO_TURN, a != 0.0 ? q / a : NO_TURN};
   for (int i = 0; i < 2; ++i)
     if (!(root[i] > 0.0 && root[i] < 1.0))
-      root[i] = 2.0;
+      root[i] = NO_TURN;
   turn[0] = fmin(root[0], root[1]);
   turn[1] = fmax(root[0], root[1]);
 }
@@ -70,21 +66,36 @@ static void extend(const double *c, double *low, double *high) {
 
 static void fill_segment(const km_outline_point *p, int piece, km_outline_segment *s) {
   double h = p[0].length;
-  hermite(p[0].place[0], h * p[0].rate[0], p[1].place[0], h * p[1].rate[0], s->x);
-  hermite(p[0].place[1], h * p[0].rate[1], p[1].place[1], h * p[1].rate[1], s->y);
+  km_cubic_hermite(p[0].place[0], h * p[0].rate[0], p[1].place[0], h * p[1].rate[0], s->x);
+  km_cubic_hermite(p[0].place[1], h * p[0].rate[1], p[1].place[1], h * p[1].rate[1], s->y);
   extend(s->x, &s->low[0], &s->high[0]);
   extend(s->y, &s->low[1], &s->high[1]);
+  s->end_y = p[1].place[1];
+  s->low[1] = fmin(s->low[1], s->end_y);
+  s->high[1] = fmax(s->high[1], s->end_y);
   find_turns(s->y, s->turn);
   s->piece = piece;
 }
 
-/* Newton's method for p_a(u) = p_b(v) from the crossing of the chords. */
-static bool find_crossing(const km_outline_segment *a, const km_outline_segment *b, double *u, double *v) {
-  *u = *v = 0.5;
+static double parameter(const km_curve_net *net, const km_outline_segment *s, double u) {
+  return (double)(s - net->segments) - net->first_segment[s->piece] + u;
+}
+
+/* A part of a segment, by the parameter. */
+typedef struct segment_part {
+  const km_outline_segment *segment;
+  double from, to;
+} segment_part;
+
+/* Newton's method for p_a(u) = p_b(v) from the middles. */
+static bool find_crossing(const segment_part *a, const segment_part *b, double *u, double *v) {
+  const km_outline_segment *p = a->segment, *q = b->segment;
+  *u = 0.5 * (a->from + a->to);
+  *v = 0.5 * (b->from + b->to);
   for (int i = 0; i < MOST_NEWTON; ++i) {
-    double ax = km_cubic_rate(a->x, *u), ay = km_cubic_rate(a->y, *u), bx = km_cubic_rate(b->x, *v),
-           by = km_cubic_rate(b->y, *v);
-    double dx = km_cubic(b->x, *v) - km_cubic(a->x, *u), dy = km_cubic(b->y, *v) - km_cubic(a->y, *u);
+    double ax = km_cubic_rate(p->x, *u), ay = km_cubic_rate(p->y, *u), bx = km_cubic_rate(q->x, *v),
+           by = km_cubic_rate(q->y, *v);
+    double dx = km_cubic(q->x, *v) - km_cubic(p->x, *u), dy = km_cubic(q->y, *v) - km_cubic(p->y, *u);
     double determinant = ax * by - ay * bx;
     if (!(fabs(determinant) > parallel * hypot(ax, ay) * hypot(bx, by)))
       return false;
@@ -93,25 +104,85 @@ static bool find_crossing(const km_outline_segment *a, const km_outline_segment 
     *v += dv;
     if (!(fabs(*u - 0.5) < 2.0 && fabs(*v - 0.5) < 2.0))
       return false;
-    if (fabs(du) + fabs(dv) < 1e-13)
-      return *u >= 0.0 && *u < 1.0 && *v >= 0.0 && *v < 1.0;
+    if (fabs(du) + fabs(dv) < converged)
+      return true;
   }
   return false;
 }
 
-/* Adds the cut where a place is on a segment: the foot of its perpendicular. */
-static void add_joint(const km_outline_segment *s, double first, const double *place, double tolerance,
-                      cut_list *list) {
-  double u = 0.5;
-  for (int i = 0; i < 2; ++i)
-    if (place[i] < s->low[i] - tolerance || place[i] > s->high[i] + tolerance)
-      return;
-  for (int i = 0; i < MOST_NEWTON; ++i) {
-    double dx = km_cubic_rate(s->x, u), dy = km_cubic_rate(s->y, u);
-    u += ((place[0] - km_cubic(s->x, u)) * dx + (place[1] - km_cubic(s->y, u)) * dy) / (dx * dx + dy * dy);
+/* Bernstein coefficients of a cubic over a part, and of its derivative by u. */
+static void bernstein(const double *c, double from, double to, double *values, double *rates) {
+  double h = to - from, r0 = km_cubic_rate(c, from), r1 = km_cubic_rate(c, to);
+  values[0] = km_cubic(c, from);
+  values[3] = km_cubic(c, to);
+  values[1] = values[0] + h * r0 / 3.0;
+  values[2] = values[3] - h * r1 / 3.0;
+  rates[0] = r0;
+  rates[1] = 3.0 * (values[2] - values[1]) / h;
+  rates[2] = r1;
+}
+
+static bool boxes_meet(double values[2][4], double tolerance) {
+  double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
+  for (int side = 0; side < 2; ++side)
+    for (int i = 0; i < 4; ++i) {
+      low[side] = fmin(low[side], values[side][i]);
+      high[side] = fmax(high[side], values[side][i]);
+    }
+  return low[0] <= high[1] + tolerance && low[1] <= high[0] + tolerance;
+}
+
+/* True if no direction of one part is one of the other: they cross at most once. */
+static bool cross_once(double x[2][3], double y[2][3]) {
+  int sum = 0;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      sum += x[0][i] * y[1][j] - y[0][i] * x[1][j] > 0.0 ? 1 : -1;
+  return abs(sum) == 9;
+}
+
+static double within_unit(double u) {
+  return fmin(fmax(u, 0.0), 1.0);
+}
+
+/* Adds the cuts where two parts of segments cross; parts that may cross more than once are halved. */
+static void cut_parts(const km_curve_net *net, segment_part a, segment_part b, int halvings, cut_list *list) {
+  double x[2][4], y[2][4], dx[2][3], dy[2][3], u, v;
+  bernstein(a.segment->x, a.from, a.to, x[0], dx[0]);
+  bernstein(a.segment->y, a.from, a.to, y[0], dy[0]);
+  bernstein(b.segment->x, b.from, b.to, x[1], dx[1]);
+  bernstein(b.segment->y, b.from, b.to, y[1], dy[1]);
+  if (!boxes_meet(x, beyond_end * net->size) || !boxes_meet(y, beyond_end * net->size))
+    return;
+  bool is_found = cross_once(dx, dy) && find_crossing(&a, &b, &u, &v);
+  if (is_found && fabs(u - 0.5) <= 0.5 + beyond_end && fabs(v - 0.5) <= 0.5 + beyond_end) {
+    add_cut(list, a.segment->piece, parameter(net, a.segment, within_unit(u)));
+    add_cut(list, b.segment->piece, parameter(net, b.segment, within_unit(v)));
   }
-  if (u >= 0.0 && u < 1.0 && hypot(place[0] - km_cubic(s->x, u), place[1] - km_cubic(s->y, u)) < tolerance)
-    add_cut(list, s->piece, first + u);
+  for (int part = 0; part < 4 && !is_found && halvings > 0; ++part) {
+    double half_a = 0.5 * (a.to - a.from), half_b = 0.5 * (b.to - b.from);
+    segment_part of_a = {a.segment, a.from + part % 2 * half_a, a.from + (part % 2 + 1) * half_a};
+    segment_part of_b = {b.segment, b.from + part / 2 * half_b, b.from + (part / 2 + 1) * half_b};
+    cut_parts(net, of_a, of_b, halvings - 1, list);
+  }
+}
+
+double km_segment_distance(const km_outline_segment *s, const double *place, double within, double *u) {
+  *u = 0.5;
+  for (int i = 0; i < 2; ++i)
+    if (place[i] < s->low[i] - within || place[i] > s->high[i] + within)
+      return HUGE_VAL;
+  for (int i = 0; i < MOST_NEWTON; ++i) {
+    double x = km_cubic(s->x, *u), y = km_cubic(s->y, *u), dx = km_cubic_rate(s->x, *u), dy = km_cubic_rate(s->y, *u);
+    double along = ((place[0] - x) * dx + (place[1] - y) * dy) / (dx * dx + dy * dy);
+    if (fabs(along) < beyond_end) {
+      bool is_beside = fabs(*u - 0.5) <= 0.5 + beyond_end;
+      *u = within_unit(*u);
+      return is_beside ? hypot(place[0] - x, place[1] - y) : HUGE_VAL;
+    }
+    *u = fmin(fmax(*u + along, -0.5), 1.5);
+  }
+  return HUGE_VAL;
 }
 
 /* A segment by its least x. */
@@ -125,36 +196,31 @@ static int by_low(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-static double parameter(const km_curve_net *net, int segment, double u) {
-  return segment - net->first_segment[net->segments[segment].piece] + u;
-}
-
 /* Cuts all pairs of segments whose boxes meet. */
 static void cut_crossings(const km_curve_net *net, const left_end *order, cut_list *list) {
   for (int i = 0; i < net->segment_count; ++i)
     for (int j = i + 1; j < net->segment_count; ++j) {
-      int first = order[i].segment, second = order[j].segment;
-      const km_outline_segment *a = &net->segments[first], *b = &net->segments[second];
-      double u, v;
+      const km_outline_segment *a = &net->segments[order[i].segment], *b = &net->segments[order[j].segment];
       if (b->low[0] > a->high[0])
         break;
-      bool is_next = a->piece == b->piece && abs(first - second) < 2;
-      if (is_next || b->low[1] > a->high[1] || b->high[1] < a->low[1] || !find_crossing(a, b, &u, &v))
-        continue;
-      add_cut(list, a->piece, parameter(net, first, u));
-      add_cut(list, b->piece, parameter(net, second, v));
+      bool is_next = a->piece == b->piece && abs(order[i].segment - order[j].segment) < 2;
+      if (!is_next && b->low[1] <= a->high[1] && b->high[1] >= a->low[1])
+        cut_parts(net, (segment_part){a, 0.0, 1.0}, (segment_part){b, 0.0, 1.0}, MOST_HALVINGS, list);
     }
 }
 
 /* Cuts every curve at the ends of the others that are on it. */
 static void cut_joints(const km_curve_net *net, cut_list *list) {
+  double within = same_place * net->size, u;
   for (int k = 0; k < net->piece_count; ++k)
     for (int end = 0; end < 2; ++end) {
       const km_outline_piece *piece = &net->pieces[k];
       const double *place = net->points[piece->first + (end == 0 ? 0 : piece->count - 1)].place;
-      for (int i = 0; i < net->segment_count; ++i)
-        if (net->segments[i].piece != k)
-          add_joint(&net->segments[i], parameter(net, i, 0.0), place, same_place * net->size, list);
+      for (int i = 0; i < net->segment_count; ++i) {
+        const km_outline_segment *s = &net->segments[i];
+        if (s->piece != k && km_segment_distance(s, place, within, &u) < within)
+          add_cut(list, s->piece, parameter(net, s, u));
+      }
     }
 }
 
@@ -241,14 +307,19 @@ void km_curve_net_place(const km_curve_net *net, int piece, double at, double *p
   rate[1] = km_cubic_rate(s->y, at - i);
 }
 
+/* y at u; at the end that of the next segment's start, so that a ray meets one of them. */
+static double y_at(const km_outline_segment *s, double u) {
+  return u < 1.0 ? km_cubic(s->y, u) : s->end_y;
+}
+
 /* x at the root of y(u) = y within from … to, where y(u) − y changes its sign. */
 static double place_of_root(const km_outline_segment *s, double y, double from, double to) {
-  bool grows = km_cubic(s->y, to) > km_cubic(s->y, from);
+  bool grows = y_at(s, to) > y_at(s, from);
   while (to - from > 1e-14) {
     double u = 0.5 * (from + to);
     if (u <= from || u >= to)
       break;
-    if ((km_cubic(s->y, u) < y) == grows)
+    if ((y_at(s, u) < y) == grows)
       from = u;
     else
       to = u;
@@ -263,7 +334,7 @@ static int crossings(const km_outline_segment *s, const double *place) {
   double at[4] = {0.0, fmin(s->turn[0], 1.0), fmin(s->turn[1], 1.0), 1.0};
   int sum = 0;
   for (int i = 0; i < 3; ++i) {
-    bool from = km_cubic(s->y, at[i]) > place[1], to = km_cubic(s->y, at[i + 1]) > place[1];
+    bool from = y_at(s, at[i]) > place[1], to = y_at(s, at[i + 1]) > place[1];
     if (from != to && (place[0] < s->low[0] || place_of_root(s, place[1], at[i], at[i + 1]) > place[0]))
       sum += to ? 1 : -1;
   }

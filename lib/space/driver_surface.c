@@ -202,9 +202,7 @@ double km_driver_surface_input_value(km_driver_surface *f) {
 }
 
 double km_driver_surface_closure_value(km_driver_surface *f) {
-  for (int i = 0; i < f->rows; ++i)
-    for (int k = 0; k < f->columns; ++k)
-      f->part_J[i * f->columns + k] = f->J[k * f->rows + i];
+  km_driver_surface_rows(f, f->part_J, f->columns);
   return f->rows > 0 ? km_smallest_singular_value(f->part_J, f->columns, f->rows) : nan("");
 }
 
@@ -226,22 +224,27 @@ void km_driver_surface_update_output(km_driver_surface *f) {
   }
 }
 
+void km_driver_surface_rows(const km_driver_surface *f, double *M, int width) {
+  int columns = width < f->columns ? width : f->columns;
+  for (int i = 0; i < f->rows; ++i)
+    for (int k = 0; k < columns; ++k)
+      M[i * width + k] = f->J[k * f->rows + i];
+}
+
 void km_driver_surface_matrix(const km_driver_surface *f, km_curve_kind kind, double *K) {
   int w = km_driver_surface_joints(f), r = f->rows;
-  for (int i = 0; i < r; ++i)
-    for (int k = 0; k < w; ++k)
-      K[i * w + k] = f->J[k * r + i];
+  km_driver_surface_rows(f, K, w);
   for (int i = r; i < w; ++i)
     for (int k = 0; k < w; ++k)
       K[i * w + k] = kind == KM_CURVE_OUTPUT ? f->G[(i - r) * w + k] : f->control[i - r] == k;
 }
 
-int km_driver_surface_sign(km_driver_surface *f, km_curve_kind kind, double *K, int *row) {
+double km_driver_surface_determinant(km_driver_surface *f, km_curve_kind kind, double *K, int *row) {
   km_driver_surface_update(f);
   if (kind == KM_CURVE_OUTPUT)
     km_driver_surface_update_output(f);
   km_driver_surface_matrix(f, kind, K);
-  return km_real_determinant(K, km_driver_surface_joints(f), row) < 0.0 ? -1 : 1;
+  return km_real_determinant(K, km_driver_surface_joints(f), row);
 }
 
 bool km_driver_surface_move(km_driver_surface *f, const double *step) {

@@ -70,12 +70,14 @@ double km_driver_surface_input_value(km_driver_surface *f);
 double km_driver_surface_closure_value(km_driver_surface *f);
 /* Number of coordinates without a number of the design: the order of K. */
 int km_driver_surface_joints(const km_driver_surface *f);
+/* Copies J to the first rows of M, which is by rows and has `width` columns; J's columns beyond them are left out. */
+void km_driver_surface_rows(const km_driver_surface *f, double *M, int width);
 /* Updates G at the state's configuration. */
 void km_driver_surface_update_output(km_driver_surface *f);
 /* K[joints × joints] by rows, of the last update. */
 void km_driver_surface_matrix(const km_driver_surface *f, km_curve_kind kind, double *K);
-/* Sign of det K of this kind at the state's configuration; K[joints × joints] and row[joints] are workspace. */
-int km_driver_surface_sign(km_driver_surface *f, km_curve_kind kind, double *K, int *row);
+/* det K of this kind at the state's configuration; K[joints × joints] and row[joints] are workspace. */
+double km_driver_surface_determinant(km_driver_surface *f, km_curve_kind kind, double *K, int *row);
 /* Adds step[columns] to the configuration. False where the number can't have the value; the state is then unchanged. */
 bool km_driver_surface_move(km_driver_surface *f, const double *step);
 void km_driver_surface_save(const km_driver_surface *f, double *saved);

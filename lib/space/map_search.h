@@ -23,11 +23,12 @@ typedef struct km_map_search {
   km_known_configuration **known; /* [cell] those of all sheets, the present one first */
   int *queue;
   signed char *output_sign; /* [cell] of det D; 0: no point, or on a curve */
+  double *output;           /* [cell][3] det (J; G), and its derivatives over a grid step along both drivers */
   double *rows;             /* [cell × columns of the table] of the present sheet */
   bool *is_written;         /* [cell] it has a row */
   int *aspect;              /* [cell] its aspect; 0: none yet */
-  int kept_sign;            /* sign of det (J; G) that steps keep; 0: they needn't */
-  double *edge_N;           /* [2 · columns] workspace */
+  int kept_sign;            /* sign of det (J; G) that steps keep all along; 0: they needn't */
+  double *edge_N, *kept_N;  /* [2 · columns] workspace */
   double *K;                /* [columns²] workspace */
   int *row;                 /* [columns] workspace */
   int aspect_count;         /* aspects of all sheets so far */
@@ -47,7 +48,5 @@ bool km_map_add_columns(km_map_search *g);
 /* Fills the row of the present cell, its aspect left open. N: tangents there. *output_sign: that of det D. False: the
  * caller ends the map, or out of memory. */
 bool km_map_fill_row(km_map_search *g, int cell, int sheet, const double *N, int *output_sign);
-/* Finds the workspace of the map's point, with the sheets and curves. */
-km_status km_map_find_workspace(km_map_search *g, const km_surface_curves *curves, km_error *error);
 
 #endif

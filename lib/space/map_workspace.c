@@ -133,7 +133,8 @@ static km_status find_whole(km_workspace_search *w, km_error *error) {
   fill_jumps(w, 0);
   if (!km_outline_find(&w->net, w->jump, &w->g->arena, &outline))
     return no_memory(error);
-  out->workspace_area = isfinite(outline.gap) ? outline.area : nan("");
+  out->workspace_area =
+      isfinite(outline.gap) && (outline.part_count > 0 || km_table_rows(out->cells) == 0) ? outline.area : nan("");
   out->gap = outline.gap;
   out->hole_count = outline.hole_count;
   out->unbounded = count_unbounded(w);
@@ -147,7 +148,7 @@ static km_status find_whole(km_workspace_search *w, km_error *error) {
 
 static km_status find_in_aspect(km_workspace_search *w, km_aspect_workspace *out, km_error *error) {
   km_outline outline;
-  double centre[2], low[2], high[2];
+  double centre[2] = {0.0}, low[2], high[2];
   fill_jumps(w, out->aspect);
   if (!km_outline_find(&w->net, w->jump, &w->g->arena, &outline))
     return no_memory(error);
@@ -157,19 +158,21 @@ static km_status find_in_aspect(km_workspace_search *w, km_aspect_workspace *out
   if (!km_largest_rectangle(&w->net, w->jump, &w->g->arena, low, high))
     return no_memory(error);
   km_largest_circle(&w->net, w->jump, centre, &out->radius);
-  place_in_space(w, centre, out->circle);
+  if (out->radius > 0.0)
+    place_in_space(w, centre, out->circle);
   for (int d = 0; d < 2; ++d)
     centre[d] = 0.5 * (low[d] + high[d]);
-  place_in_space(w, centre, out->rectangle);
+  if (high[0] > low[0])
+    place_in_space(w, centre, out->rectangle);
   out->width = high[0] - low[0];
   out->height = high[1] - low[1];
   return KM_OK;
 }
 
-/* Numbers the aspects that are left from 1, in the cells and sides. */
+/* Numbers the aspects again from 1, in the cells and sides: each representative in its order, the others as it. */
 static void number_again(km_workspace_search *w) {
   km_table *cells = w->g->out->cells;
-  int count = 0, *number = w->joined; /* joined[i] <= i */
+  int count = 0, *number = w->representative; /* number[i] <= i */
   for (int i = 1; i <= w->g->aspect_count; ++i)
     number[i] = number[i] == i ? ++count : number[number[i]];
   for (size_t i = 0; i < km_table_rows(cells); ++i) {
@@ -188,6 +191,8 @@ static bool allocate(km_workspace_search *w) {
   w->places = KM_ARENA_NEW(a, km_outline_point, most);
   w->pieces = KM_ARENA_NEW(a, km_outline_piece, most);
   w->source = KM_ARENA_NEW(a, size_t, most);
+  w->sample.saved = KM_ARENA_NEW(a, double, w->g->f.saved_size);
+  w->sample.tangent = KM_ARENA_NEW(a, double, n);
   w->M = KM_ARENA_NEW(a, double, n *n);
   w->K = KM_ARENA_NEW(a, double, n *n);
   w->nu = KM_ARENA_NEW(a, double, n);

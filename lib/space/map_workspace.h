@@ -7,9 +7,9 @@
 
 /* One side of a piece. */
 typedef struct km_piece_side {
-  int jump;     /* 1: on the left of the image, −1: on the right, 0: outside the ranges */
+  int jump;     /* what the side adds to N on the left of the curve's image: 1, −1; 0: outside the ranges */
   int aspect;   /* 0: not found */
-  int signs[2]; /* signs of det A and det (J; G) */
+  int signs[2]; /* signs of det A and det (J; G); 0: not found */
 } km_piece_side;
 
 typedef struct km_workspace_search {
@@ -21,15 +21,18 @@ typedef struct km_workspace_search {
   size_t *source;            /* [places] the curve's point */
   km_piece_side (*sides)[2]; /* [piece] on the left and right of the curve, in the configurations */
   int piece_count;
-  int *joined; /* [aspect of the grid] its number among those that are one */
+  int *representative; /* [aspect of the grid] the least of those that are one with it */
   km_curve_net net;
-  int *jump; /* [piece] workspace */
-  double *M, *nu, *b, *x, *K, *N;
-  int *row;
+  km_curve_point sample;          /* workspace: a configuration of a piece */
+  int *jump;                      /* [piece] workspace */
+  double *M, *K, *nu, *b, *x, *N; /* [columns²] the first two, [columns], [2 · columns] N: workspace */
+  int *row;                       /* [columns] workspace */
   km_vec3 normal;
   double height; /* place of the plane along its normal */
 } km_workspace_search;
 
+/* Finds the workspace of the map's point, with the sheets and curves. */
+km_status km_map_find_workspace(km_map_search *g, const km_surface_curves *curves, km_error *error);
 /* Finds both sides of every piece. False when out of memory. */
 bool km_piece_sides_find(km_workspace_search *w);
 

@@ -11,8 +11,9 @@
 static const double side_distance = 1e-7; /* distance of a part from its sides, by the extent: curves agree to 1e-8 */
 static const double least_side_distance = 9e-9; /* smallest one, beside a near curve: copies of a curve are nearer */
 static const double least_length = 1e-6;        /* shorter parts are between a crossing and an end that are one */
-static const double same_end =
-    1e-4; /* distance of ends of parts that join, of the extent: thinner wedges between curves are lost */
+static const double end_chord = 1e-4;           /* chord for the direction at an end, in segments */
+static const double same_place = 1e-7;          /* distance of ends of parts that begin at one cut, of the extent */
+static const double same_end = 1e-4;   /* longest gap that isn't one, of the extent: curves end beside a vertex */
 static const double most_gap = 0.02;   /* longest one that a straight line closes, of the extent */
 static const double coincident = 3e-8; /* distance of curves that are one, of the extent */
 
@@ -25,26 +26,11 @@ static bool middle_of(const km_curve_net *net, const km_outline_part *part, doub
   return isfinite(along[0] + along[1]);
 }
 
-/* Distance of a place from a segment, and whether it lies beside it. */
-static bool is_on_segment(const km_outline_segment *s, const double *place, double tolerance) {
-  for (int i = 0; i < 2; ++i)
-    if (place[i] < s->low[i] - tolerance || place[i] > s->high[i] + tolerance)
-      return false;
-  double u = 0.5;
-  for (int i = 0; i < 12; ++i) {
-    double x = km_cubic(s->x, u), y = km_cubic(s->y, u), dx = km_cubic_rate(s->x, u), dy = km_cubic_rate(s->y, u);
-    double along = ((place[0] - x) * dx + (place[1] - y) * dy) / (dx * dx + dy * dy);
-    if (fabs(along) < 1e-9)
-      return u > -1e-6 && u < 1.0 + 1e-6 && hypot(place[0] - x, place[1] - y) < tolerance;
-    u = fmin(fmax(u + along, -0.5), 1.5);
-  }
-  return false;
-}
-
 /* True if an earlier curve with a jump runs through the same place: the part is then that curve's. */
 static bool is_earlier(const km_curve_net *net, const int *jump, int piece, const double *place) {
+  double within = coincident * net->size, u;
   for (int i = 0; i < net->first_segment[piece]; ++i)
-    if (jump[net->segments[i].piece] && is_on_segment(&net->segments[i], place, coincident * net->size))
+    if (jump[net->segments[i].piece] && km_segment_distance(&net->segments[i], place, within, &u) < within)
       return true;
   return false;
 }
@@ -85,44 +71,46 @@ static bool is_on_outline(const km_curve_net *net, const int *jump, km_outline_p
   return true;
 }
 
-/* A part shorter than the distance of its sides has no middle that has a count. */
-static bool is_short(const km_curve_net *net, const km_outline_part *part) {
+/* Length of a part by two chords. */
+static double length_of(const km_curve_net *net, const km_outline_part *part) {
   double from[2], to[2], middle[2], rate[2];
   km_curve_net_place(net, part->piece, part->from, from, rate);
   km_curve_net_place(net, part->piece, part->to, to, rate);
   km_curve_net_place(net, part->piece, 0.5 * (part->from + part->to), middle, rate);
-  return hypot(middle[0] - from[0], middle[1] - from[1]) + hypot(to[0] - middle[0], to[1] - middle[1]) <
-         least_length * net->size;
+  return hypot(middle[0] - from[0], middle[1] - from[1]) + hypot(to[0] - middle[0], to[1] - middle[1]);
 }
 
+/* Place of an end of a part, and the chord of the part there in its sense: the rate is 0 at a cusp. */
 static void end_of(const km_curve_net *net, const km_outline_part *part, bool is_start, double *place, double *along) {
-  double sense = part->to > part->from ? 1.0 : -1.0;
-  km_curve_net_place(net, part->piece, is_start ? part->from : part->to, place, along);
-  along[0] *= sense;
-  along[1] *= sense;
+  double beside[2], rate[2], at = is_start ? part->from : part->to, change = part->to - part->from;
+  double step = copysign(end_chord * fmin(fabs(change), 1.0), is_start ? change : -change);
+  km_curve_net_place(net, part->piece, at, place, rate);
+  km_curve_net_place(net, part->piece, at + step, beside, rate);
+  for (int d = 0; d < 2; ++d)
+    along[d] = is_start ? beside[d] - place[d] : place[d] - beside[d];
 }
 
-/* The part that continues another: among those that begin at its end the leftmost one, else the one that begins
- * nearest; −1: none. *gap: distance of its start, 0 in the first case. */
+/* The part that continues another: the one that begins nearest to its end, of several there the leftmost; −1: none.
+ * *gap: distance of its start, 0 for ends that are one. */
 static int successor(const km_curve_net *net, const km_outline_part *parts, int count, const km_outline_part *part,
                      int first, double *gap) {
-  double end[2], along[2], start[2], next[2], largest = -HUGE_VAL;
+  double end[2], along[2], start[2], next[2], largest = -HUGE_VAL, nearest = most_gap * net->size;
   int best = -1;
-  *gap = most_gap * net->size;
   end_of(net, part, false, end, along);
   for (int i = 0; i < count; ++i) {
     if (parts[i].loop != 0 && i != first)
       continue;
     end_of(net, &parts[i], true, start, next);
     double distance = hypot(start[0] - end[0], start[1] - end[1]);
-    bool is_same = distance <= same_end * net->size;
     double turn = atan2(along[0] * next[1] - along[1] * next[0], along[0] * next[0] + along[1] * next[1]);
-    if (is_same ? turn <= largest : distance >= *gap)
+    bool is_there = fabs(distance - nearest) <= same_place * net->size;
+    if (is_there ? turn <= largest : distance >= nearest)
       continue;
-    *gap = is_same ? 0.0 : distance;
-    largest = is_same ? turn : largest;
+    nearest = is_there ? fmin(nearest, distance) : distance;
+    largest = turn;
     best = i;
   }
+  *gap = nearest <= same_end * net->size ? 0.0 : nearest;
   return best;
 }
 
@@ -167,7 +155,7 @@ static void join(const km_curve_net *net, km_outline_part *parts, int count, km_
       out->gap = fmax(out->gap, next >= 0 ? gap : HUGE_VAL);
       at = next;
     } while (at >= 0 && at != first);
-    out->hole_count += area < 0.0;
+    out->hole_count += area < -(same_end * net->size) * (same_end * net->size);
     out->area += area;
   }
 }
@@ -185,7 +173,7 @@ bool km_outline_find(const km_curve_net *net, const int *jump, km_arena *arena, 
   for (int k = 0; k < net->piece_count; ++k)
     for (int i = 0; i + 1 < net->cut_count[k]; ++i) {
       km_outline_part part = {.piece = k, .from = net->cuts[k][i], .to = net->cuts[k][i + 1]};
-      if (part.to > part.from && !is_short(net, &part) && is_on_outline(net, jump, &part))
+      if (part.to > part.from && length_of(net, &part) >= least_length * net->size && is_on_outline(net, jump, &part))
         parts[count++] = part;
     }
   join(net, parts, count, out);

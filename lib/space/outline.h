@@ -28,9 +28,18 @@ typedef struct km_outline_piece {
 typedef struct km_outline_segment {
   double x[4], y[4]; /* coefficients of u^0 to u^3 */
   double low[2], high[2];
-  double turn[2]; /* parameters with y' = 0, ascending; 2: none */
+  double turn[2]; /* parameters with y' = 0, ascending; above 1: none */
+  double end_y;   /* y(1) without rounding */
   int piece;
 } km_outline_segment;
+
+/* Coefficients of the cubic with the values a and b at u = 0 and 1, and the derivatives da and db there. */
+static inline void km_cubic_hermite(double a, double da, double b, double db, double *c) {
+  c[0] = a;
+  c[1] = da;
+  c[2] = 3.0 * (b - a) - 2.0 * da - db;
+  c[3] = 2.0 * (a - b) + da + db;
+}
 
 /* A cubic and its derivative at u. */
 static inline double km_cubic(const double *c, double u) {
@@ -66,21 +75,25 @@ typedef struct km_outline {
   double gap;  /* longest gap, where a curve is missing; 0: none; infinity: a loop doesn't close */
 } km_outline;
 
-/* Cuts the curves. False when out of memory. O(segments²) at worst. */
+/* Cuts the curves. False when out of memory. O(segments²) where all overlap. */
 bool km_curve_net_create(km_curve_net *net, const km_outline_point *points, const km_outline_piece *pieces,
                          int piece_count, km_arena *arena);
 /* Place and derivative by u at a parameter of a piece. */
 void km_curve_net_place(const km_curve_net *net, int piece, double at, double *place, double *rate);
 /* N(p) with jump[piece], what N is on the left of the curve more than on its right. O(segments). */
 int km_curve_net_count(const km_curve_net *net, const int *jump, const double *place);
+/* Distance of a place from a segment, at the foot u of the perpendicular; infinity where that is beyond the ends, or the
+ * place not `within` this distance of the segment's box. */
+double km_segment_distance(const km_outline_segment *s, const double *place, double within, double *u);
 /* Distance of a place from the curves with a jump, to 1e-6 of the extent. O(segments). */
 double km_curve_net_distance(const km_curve_net *net, const int *jump, const double *place);
-/* Finds the outline of N > 0. False when out of memory. O(parts · segments). */
+/* Finds the outline of N > 0. False when out of memory. O(parts · segments + parts²). */
 bool km_outline_find(const km_curve_net *net, const int *jump, km_arena *arena, km_outline *out);
-/* Largest circle in N > 0 that no curve with a jump meets; radius 0: none. O(segments · log). */
+/* Largest circle in N > 0 that no curve with a jump meets, to 1e-5 of the extent; radius 0: none. A lower bound
+ * where that needs more than 20 000 squares, as in a long corridor. O(squares · segments). */
 void km_largest_circle(const km_curve_net *net, const int *jump, double *centre, double *radius);
 /* Largest rectangle with sides along the axes in N > 0 that no curve with a jump meets, to 1/100 of the extent; width
- * 0: none. False when out of memory. */
+ * 0: none. False when out of memory. O(100² · segments). */
 bool km_largest_rectangle(const km_curve_net *net, const int *jump, km_arena *arena, double *low, double *high);
 
 #endif

@@ -14,8 +14,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SAMPLES = 7 /* points of a piece */, PARTS = 3 /* steps to a distance */, MOST_NEWTON = 8 };
-static const double beside = 1e-3;                   /* distance at which the signs of a side are taken */
+enum { PARTS = 3 /* steps to a distance */, MOST_NEWTON = 8 };
+static const double beside = 1e-3;      /* distance at which the signs of a side are taken */
+static const double most_beside = 0.05; /* its largest part of the piece's length: other curves are beyond */
 static const double distances[] = {0.05, 0.02, 0.1}; /* distances from which a side's grid point is reached */
 static const double converged = 1e-12;
 static const double same_vertex = 1e-5; /* distance of ends that are one vertex: located to 1e-8 */
@@ -24,9 +25,7 @@ static const double same_vertex = 1e-5; /* distance of ends that are one vertex:
 static void fill_matrix(km_workspace_search *w, const double *tangent, const double *last) {
   const km_driver_surface *f = &w->g->f;
   int n = f->columns, r = f->rows;
-  for (int i = 0; i < r; ++i)
-    for (int k = 0; k < n; ++k)
-      w->M[i * n + k] = f->J[k * r + i];
+  km_driver_surface_rows(f, w->M, n);
   memcpy(w->M + r * n, tangent, (size_t)n * sizeof *tangent);
   memcpy(w->M + (r + 1) * n, last, (size_t)n * sizeof *last);
 }
@@ -77,8 +76,10 @@ static bool move_across(km_workspace_search *w, const km_curve_point *p, double 
 
 /* Signs of det A and det (J; G) at the state's configuration. */
 static void find_signs(km_workspace_search *w, int *signs) {
-  signs[0] = km_driver_surface_sign(&w->g->f, KM_CURVE_INPUT, w->K, w->row);
-  signs[1] = km_driver_surface_sign(&w->g->f, KM_CURVE_OUTPUT, w->K, w->row);
+  for (int i = 0; i < 2; ++i) {
+    km_curve_kind kind = i == 0 ? KM_CURVE_INPUT : KM_CURVE_OUTPUT;
+    signs[i] = km_driver_surface_determinant(&w->g->f, kind, w->K, w->row) < 0.0 ? -1 : 1;
+  }
 }
 
 static bool has_signs(km_workspace_search *w, const int *signs) {
@@ -108,26 +109,57 @@ static int find_aspect(km_workspace_search *w, const km_curve_point *p, int side
   return 0;
 }
 
-/* Finds both sides of a piece: their signs in its middle, their aspects at some of its points. */
+/* Fills w->sample with the configuration at a part of a piece, between two of its points: the Hermite interpolant, whose
+ * error is of fourth order in their distance. */
+static void sample_piece(km_workspace_search *w, const km_outline_piece *piece, double part) {
+  km_driver_surface *f = &w->g->f;
+  double at = part * (double)(piece->count - 1), u = at - floor(at), rate;
+  size_t i = piece->first + (size_t)at;
+  const km_curve_point *p = &w->points[w->source[i]], *next = &w->points[w->source[i + 1]];
+  double length = w->places[i].length, *tangent = w->sample.tangent;
+  km_driver_surface_restore(f, next->saved);
+  km_driver_surface_difference(f, p->saved, w->x);
+  for (int k = 0; k < f->columns; ++k) {
+    double c[4];
+    km_cubic_hermite(0.0, length * p->tangent[k], w->x[k], length * next->tangent[k], c);
+    f->step[k] = km_cubic(c, u);
+    tangent[k] = km_cubic_rate(c, u);
+  }
+  rate = km_norm(tangent, f->columns);
+  for (int k = 0; k < f->columns; ++k)
+    tangent[k] /= rate;
+  km_driver_surface_restore(f, p->saved);
+  km_driver_surface_move(f, f->step);
+  km_driver_surface_save(f, w->sample.saved);
+}
+
+/* Finds a side at the sample: its signs and jump, unless they are known, and its aspect. */
+static void find_side(km_workspace_search *w, km_piece_side *side, int sense, double distance) {
+  if (side->signs[0] == 0) {
+    if (!move_across(w, &w->sample, sense * distance))
+      return;
+    bool is_inside = km_driver_surface_margin(&w->g->f, -1) >= 0.0;
+    find_signs(w, side->signs);
+    side->jump = is_inside ? side->signs[1] * sense : 0;
+  }
+  if (side->jump != 0)
+    side->aspect = find_aspect(w, &w->sample, sense, side->signs);
+}
+
+/* Finds both sides of a piece, from its middle outwards. */
 static void find_sides(km_workspace_search *w, int piece) {
+  static const double parts[] = {0.5, 0.375, 0.625, 0.25, 0.75, 0.125, 0.875};
   const km_outline_piece *at = &w->pieces[piece];
-  km_piece_side *sides = w->sides[piece];
-  for (int sample = 0; sample < SAMPLES; ++sample) {
-    size_t part = (size_t)((sample + 1) / 2), middle = at->count / 2, stride = at->count / (SAMPLES + 1);
-    const km_curve_point *p =
-        &w->points[w->source[at->first + (sample % 2 ? middle - part * stride : middle + part * stride)]];
-    bool is_regular = find_across(w, p);
-    for (int k = 0; k < 2 && is_regular; ++k) {
-      int side = k == 0 ? 1 : -1;
-      if (sides[k].aspect != 0 || !move_across(w, p, side * beside))
-        continue;
-      bool is_inside = km_driver_surface_margin(&w->g->f, -1) >= 0.0;
-      find_signs(w, sides[k].signs);
-      if (sample == 0)
-        sides[k].jump = is_inside ? sides[k].signs[1] * side : 0;
-      if (sides[k].jump != 0)
-        sides[k].aspect = find_aspect(w, p, side, sides[k].signs);
-    }
+  double length = 0.0;
+  for (size_t i = at->first; i + 1 < at->first + at->count; ++i)
+    length += w->places[i].length;
+  for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i) {
+    sample_piece(w, at, parts[i]);
+    if (!find_across(w, &w->sample))
+      continue;
+    for (int k = 0; k < 2; ++k)
+      if (w->sides[piece][k].aspect == 0)
+        find_side(w, &w->sides[piece][k], k == 0 ? 1 : -1, fmin(beside, most_beside * length));
   }
 }
 
@@ -145,7 +177,7 @@ static const km_curve_point *end_point(const km_workspace_search *w, const piece
   return &w->points[w->source[piece->first + (e->is_last ? piece->count - 1 : 0)]];
 }
 
-/* The side in the sense of growing angles, or against it. */
+/* The side that the next end in the order of angles follows, or the one before. */
 static km_piece_side *side_of(km_workspace_search *w, const piece_end *e, bool is_next) {
   return &w->sides[e->piece][is_next == e->is_last];
 }
@@ -194,8 +226,8 @@ static bool join_sides(km_workspace_search *w, km_piece_side *a, km_piece_side *
       if (w->sides[k][side].aspect == high)
         w->sides[k][side].aspect = low;
   for (int i = 1; i <= w->g->aspect_count; ++i)
-    if (w->joined[i] == high)
-      w->joined[i] = low;
+    if (w->representative[i] == high)
+      w->representative[i] = low;
   return true;
 }
 
@@ -213,11 +245,11 @@ bool km_piece_sides_find(km_workspace_search *w) {
   int count = 0, vertices = 0;
   piece_end *ends = KM_ARENA_NEW(&w->g->arena, piece_end, 2 * (size_t)w->piece_count + 1);
   int *start = KM_ARENA_NEW(&w->g->arena, int, 2 * (size_t)w->piece_count + 2);
-  w->joined = KM_ARENA_NEW(&w->g->arena, int, (size_t)w->g->aspect_count + 1);
+  w->representative = KM_ARENA_NEW(&w->g->arena, int, (size_t)w->g->aspect_count + 1);
   if (w->g->arena.failed)
     return false;
   for (int i = 0; i <= w->g->aspect_count; ++i)
-    w->joined[i] = i;
+    w->representative[i] = i;
   for (int k = 0; k < w->piece_count; ++k) {
     find_sides(w, k);
     ends[count++] = (piece_end){.piece = k};

@@ -6,8 +6,9 @@
 #include "base/table.h"
 #include "kinematics/loop_closing.h"
 #include "kinematics/loop_equations.h"
-#include "space/map_search.h"
+#include "space/map_workspace.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 enum {
@@ -16,10 +17,12 @@ enum {
 };
 static const double most_correction = 0.3;   /* first correction over the predicted step */
 static const double shortest_part = 1e-3;    /* shortest step, a part of the way between grid points */
-static const double kept_step = 0.25;        /* longest one where the sign of det (J; G) is kept */
+static const double difference = 1e-6;       /* part of a step for a derivative along it */
+static const double most_mismatch = 0.05;    /* part of a step by which its tangents may miss its end: a turn of 45° */
 static const double leaving_distance = 0.05; /* distance of a start from its singularity curve */
 static const double same_turn = 1e-6; /* difference of angles and configurations that are one but for full turns */
 static const double least_correction = 1e-9; /* corrections below this are rounding */
+static const double most_reach = 0.1; /* largest distance of a curve from grid points that don't look for another */
 
 /* Value of an axis at a grid point, scaled. */
 static double axis_value(const km_map_search *g, int axis, int i) {
@@ -39,33 +42,78 @@ static bool close_cell(km_map_search *g, double predicted, int *sign) {
   return km_driver_surface_close(&g->f, most_correction * predicted + least_correction, sign);
 }
 
-/* Moves the drivers by `part` of the way to a grid point, from a configuration with tangents N. */
-static bool advance(km_map_search *g, const double *target, const double *N, int sign, double part) {
+/* Adds a part of the step N du to the configuration. Returns the step's largest component. */
+static double move_along(km_map_search *g, const double *N, const double *du, double part) {
   km_driver_surface *f = &g->f;
-  double du[2], largest = 0.0;
-  int reached;
-  for (int d = 0; d < 2; ++d)
-    du[d] = (target[d] - scaled_value(g, d)) * part;
+  double largest = 0.0;
   for (int k = 0; k < f->columns; ++k) {
-    f->step[k] = du[0] * N[k] + du[1] * N[f->columns + k];
+    f->step[k] = part * (du[0] * N[k] + du[1] * N[f->columns + k]);
     largest = fmax(largest, fabs(f->step[k]));
   }
   km_driver_surface_move(f, f->step);
-  return close_cell(g, largest, &reached) && reached == sign &&
-         (g->kept_sign == 0 || km_driver_surface_sign(f, KM_CURVE_OUTPUT, g->K, g->row) == g->kept_sign) &&
-         km_driver_surface_factor(f, &reached);
+  return largest;
+}
+
+/* det (J; G), and in rate[0] its derivative along the step N du. */
+static double output_determinant(km_map_search *g, const double *N, const double *du, double *rate) {
+  double D = km_driver_surface_determinant(&g->f, KM_CURVE_OUTPUT, g->K, g->row);
+  move_along(g, N, du, difference);
+  *rate = (km_driver_surface_determinant(&g->f, KM_CURVE_OUTPUT, g->K, g->row) - D) / difference;
+  move_along(g, N, du, -difference);
+  return D;
+}
+
+/* True if the cubic with this value and derivative at the start (or end, with the derivative's other sign) of a step has
+ * the first (last) two Bernstein coefficients of this sign. Four of them: it has no root in the step. */
+static bool has_sign(double sign, double value, double rate) {
+  return sign * value > 0.0 && sign * (value + rate / 3.0) > 0.0;
+}
+
+/* True if the state lies beyond a saved configuration as far as the tangents at both ends of the step du predict. */
+static bool is_smooth(km_map_search *g, const double *saved, const double *N, const double *N_here, const double *du) {
+  km_driver_surface *f = &g->f;
+  double change = km_driver_surface_difference(f, saved, f->step), sum = 0.0;
+  for (int k = 0; k < f->columns; ++k) {
+    double mean = 0.5 * (du[0] * (N[k] + N_here[k]) + du[1] * (N[f->columns + k] + N_here[f->columns + k]));
+    sum += (f->step[k] - mean) * (f->step[k] - mean);
+  }
+  return sqrt(sum) <= most_mismatch * change;
+}
+
+/* Moves the drivers by `part` of the way to a grid point, from a configuration with tangents N. */
+static bool advance(km_map_search *g, const double *target, const double *N, int sign, double part) {
+  km_driver_surface *f = &g->f;
+  double du[2], rate, D;
+  int reached;
+  for (int d = 0; d < 2; ++d)
+    du[d] = (target[d] - scaled_value(g, d)) * part;
+  if (g->kept_sign) {
+    D = output_determinant(g, N, du, &rate);
+    if (!has_sign(g->kept_sign, D, rate))
+      return false;
+  }
+  if (!close_cell(g, move_along(g, N, du, 1.0), &reached) || reached != sign)
+    return false;
+  if (!g->kept_sign)
+    return true;
+  km_driver_surface_rates(f, g->kept_N);
+  if (!is_smooth(g, g->before, N, g->kept_N, du))
+    return false;
+  D = output_determinant(g, g->kept_N, du, &rate);
+  km_driver_surface_update(f);
+  return has_sign(g->kept_sign, D, -rate) && km_driver_surface_factor(f, &reached);
 }
 
 /* Moves to a grid point from the configuration g->before with tangents N; a rejected step is halved. */
 static bool move_to(km_map_search *g, const double *target, double *N, int sign) {
   km_driver_surface *f = &g->f;
-  double left = 1.0, step = g->kept_sign ? kept_step : 1.0; /* parts of the whole step */
+  double left = 1.0, step = 1.0; /* parts of the whole step */
   while (left > 0.0) {
     km_driver_surface_restore(f, g->before);
     step = fmin(step, left);
     if (advance(g, target, N, sign, step / left)) {
       left = step == left ? 0.0 : left - step;
-      step = g->kept_sign ? fmin(2.0 * step, kept_step) : 2.0 * step;
+      step *= 2.0;
       if (left > 0.0) {
         km_driver_surface_save(f, g->before);
         km_driver_surface_rates(&g->f, N);
@@ -109,26 +157,24 @@ static int across_seam(km_map_search *g, int cell, int axis) {
                                                                                                                : -1;
 }
 
-/* True if a cell beside this one, also across a corner, has another sign of det D. */
-static bool is_beside_curve(const km_map_search *g, int cell) {
-  for (int k = 0; k < 9; ++k) {
-    int i = cell % g->across + k % 3 - 1, j = cell / g->across + k / 3 - 1, other = j * g->across + i;
-    if (i >= 0 && j >= 0 && i < g->across && j < g->down && g->sign[other] &&
-        g->output_sign[other] != g->output_sign[cell])
-      return true;
-  }
-  return false;
-}
-
-/* True if the step between two neighbours keeps the sign of det D. Steps beside curves are followed: two curves may
- * cross one, where they cross each other. */
+/* True if the step between two neighbours keeps the sign of det (J; G). Where the cubic over the step doesn't show it, the
+ * step is followed: two curves may cross one, where they cross each other. */
 static bool is_one_aspect(km_map_search *g, int cell, int next) {
   if (!g->is_written[next] || g->output_sign[next] != g->output_sign[cell])
     return false;
-  if (g->f.frame < 0 || (!is_beside_curve(g, cell) && !is_beside_curve(g, next)))
+  if (g->f.frame < 0)
     return true;
-  km_driver_surface_restore(&g->f, g->saved + (size_t)cell * g->f.saved_size);
-  g->kept_sign = km_driver_surface_sign(&g->f, KM_CURVE_OUTPUT, g->K, g->row);
+  const double *from = g->output + 3 * (size_t)cell, *to = g->output + 3 * (size_t)next;
+  int axis = abs(next - cell) == 1 ? 1 : 2;
+  double sense = next > cell ? 1.0 : -1.0, sign = from[0] < 0.0 ? -1.0 : 1.0;
+  double step = sense * (axis_value(g, axis - 1, 1) - axis_value(g, axis - 1, 0));
+  const double du[2] = {axis == 1 ? step : 0.0, axis == 2 ? step : 0.0};
+  size_t saved = g->f.saved_size, columns = 2 * (size_t)g->f.columns;
+  km_driver_surface_restore(&g->f, g->saved + (size_t)next * saved);
+  if (is_smooth(g, g->saved + (size_t)cell * saved, g->N + (size_t)cell * columns, g->N + (size_t)next * columns, du) &&
+      has_sign(sign, from[0], sense * from[axis]) && has_sign(sign, to[0], -sense * to[axis]))
+    return true;
+  g->kept_sign = (int)sign;
   bool is_kept = reach(g, cell, next, g->edge_N);
   g->kept_sign = 0;
   return is_kept;
@@ -209,6 +255,11 @@ static bool record(km_map_search *g, int sheet, int cell, int sign, int *tail) {
   g->queue[(*tail)++] = cell;
   bool is_ok = note_configuration(g, cell) && km_map_fill_row(g, cell, sheet, N, &output_sign);
   g->output_sign[cell] = (signed char)output_sign;
+  for (int d = 0; d < 2 && f->frame >= 0; ++d) {
+    const double step = axis_value(g, d, 1) - axis_value(g, d, 0), du[2] = {d == 0 ? step : 0.0, d == 1 ? step : 0.0};
+    double *at = g->output + 3 * (size_t)cell;
+    at[0] = output_determinant(g, N, du, &at[1 + d]);
+  }
   return is_ok;
 }
 
@@ -369,6 +420,7 @@ static km_status prepare(km_map_search *g, km_error *error) {
     return status;
   for (int d = 0; d < 2; ++d)
     g->curve_reach = fmax(g->curve_reach, 3.0 * fabs(axis_value(g, d, 1) - axis_value(g, d, 0)));
+  g->curve_reach = fmin(g->curve_reach, most_reach);
   g->across = def->axis[0].steps + 1;
   g->down = def->axis[1].steps + 1;
   size_t cells = (size_t)g->across * (size_t)g->down;
@@ -377,9 +429,11 @@ static km_status prepare(km_map_search *g, km_error *error) {
   g->known = KM_ARENA_NEW(&g->arena, km_known_configuration *, cells);
   g->sign = KM_ARENA_NEW(&g->arena, signed char, cells);
   g->output_sign = KM_ARENA_NEW(&g->arena, signed char, cells);
+  g->output = KM_ARENA_NEW(&g->arena, double, f->frame >= 0 ? 3 * cells : 1);
   g->queue = KM_ARENA_NEW(&g->arena, int, 2 * cells); /* and the stack of number_aspect */
   g->before = KM_ARENA_NEW(&g->arena, double, f->saved_size);
   g->edge_N = KM_ARENA_NEW(&g->arena, double, 2 * (size_t)f->columns);
+  g->kept_N = KM_ARENA_NEW(&g->arena, double, 2 * (size_t)f->columns);
   g->K = KM_ARENA_NEW(&g->arena, double, (size_t)f->columns *(size_t)f->columns);
   g->row = KM_ARENA_NEW(&g->arena, int, (size_t)f->columns);
   if (g->arena.failed)

@@ -15,6 +15,7 @@
 #include "base/event_locator.h"
 #include "base/random.h"
 #include "space/critical_kind.h"
+#include "space/outline.h"
 #include "space/real_solve.h"
 
 #include <stdlib.h>
@@ -24,10 +25,14 @@ enum { MOST_NEWTON = 12, MOST_POINTS = 20000 };
 static const double difference = 1e-6;   /* step of the central differences: rounding 1e-10, their error 1e-12 */
 static const double longest_step = 0.02; /* step of (q, z) */
 static const double shortest_step = 1e-7;
+static const double least_length = 1e-4; /* a shorter curve without ends is a crossing of others: one q for all z */
+static const double most_interpolation_error = 1e-9;
 static const double converged = 3e-7;          /* last correction: the one after it, about its square, is rounding */
 static const double longest_correction = 0.02; /* a longer one, of (q, z), leads to another curve */
 static const double beside_branch = 1e-6;      /* part of a step: at the branch itself M is singular */
 static const double longest_start_step = 1.0;  /* step to a curve: radians, sizes, ranges of the number */
+static const double same_curve = 1e-5;         /* distance from a curve's interpolant, whose error is 1e-7 */
+static const double foot_converged = 1e-6;     /* part of the chord */
 
 /* Functions whose roots are located along a curve. */
 enum { MARGIN, INPUT_DETERMINANT, OUTPUT_DETERMINANT, BRANCH_DETERMINANT, NUMBER_RATE, FUNCTIONS };
@@ -189,16 +194,17 @@ static double over_bound(const km_surface_curves *v) {
 /* Fills M and R at the state's configuration and z; the last row of M is `last`. */
 static bool fill(km_surface_curves *v, const double *last) {
   km_driver_surface *f = v->f;
-  int n = f->columns, r = f->rows, w = v->order, u = v->unknowns;
+  int n = f->columns, r = f->rows, u = v->unknowns;
   bool is_singular = v->vector > 0;
   memset(v->M, 0, (size_t)u * (size_t)u * sizeof *v->M);
   for (int k = 0; k < n && is_singular; ++k)
     if (!fill_differences(v, k))
       return false;
   update(v, v->K);
+  km_driver_surface_rows(f, v->M, u);
   for (int i = 0; i < r; ++i) {
-    for (int k = 0; k < n; ++k)
-      v->M[i * u + k] = k == w ? v->number_column[i] : f->J[k * r + i];
+    if (f->number)
+      v->M[i * u + n - 1] = v->number_column[i];
     v->R[i] = -f->e[i];
   }
   if (is_singular) {
@@ -424,7 +430,7 @@ static bool add_roots(km_surface_curves *v, const curve_root *roots, int count, 
   for (int i = 0; is_ok && !*is_end && i < count; ++i) {
     double first;
     *is_end = roots[i].function == MARGIN;
-    if (!step(v, roots[i].h, &first))
+    if (!step(v, roots[i].h, &first) && !step(v, roots[i].h * (1.0 - beside_branch), &first))
       continue;
     is_ok = roots[i].function == NUMBER_RATE ? add_extremum(v) : add_point(v, KM_TURNING_NONE);
     if (is_ok)
@@ -433,27 +439,38 @@ static bool add_roots(km_surface_curves *v, const curve_root *roots, int count, 
   return is_ok;
 }
 
-/* Follows the curve from its start in the sense of t. False when out of memory; *is_closed: the curve has returned. */
-static bool follow(km_surface_curves *v, bool *is_closed) {
+/* Error of the Hermite interpolant of a step h, h⁴ κ³ / 384 on a circle; the first correction is that circle's, κ h² / 2. */
+static double interpolation_error(double h, double first) {
+  return 8.0 * first * first * first / (384.0 * h * h);
+}
+
+/* Follows the curve from its start in the sense of t. False when out of memory; *is_closed: the curve has returned;
+ * *length: of the configurations, infinite with an end. */
+static bool follow(km_surface_curves *v, bool *is_closed, double *length) {
   km_driver_surface *f = v->f;
   double h = longest_step, travelled = 0.0, value[FUNCTIONS];
+  *length = 0.0;
   curve_root roots[FUNCTIONS];
   *is_closed = false;
   if (!update_tangent(v))
     return true;
   save_point(v, &v->from);
+  save_point(v, &v->start);
   update_values(v, v->from.value);
   for (int i = 0; i < MOST_POINTS && h >= shortest_step;) {
     double first = 0.0;
-    if (!step(v, h, &first) || first > 0.3 * h) {
+    if (!step(v, h, &first) || interpolation_error(h, first) > most_interpolation_error) {
       h *= 0.5;
       continue;
     }
     travelled += h;
+    *length += km_driver_surface_difference(f, v->from.saved, f->step);
     ++i;
     bool is_end = false;
-    *is_closed = travelled > 5.0 * longest_step && km_driver_surface_difference(f, v->start.saved, f->step) < h;
-    if (*is_closed) { /* a step to the start */
+    *is_closed = travelled > 3.0 * h && km_dot(v->t, v->start.t, f->columns) > 0.0 &&
+                 km_driver_surface_difference(f, v->start.saved, f->step) < h &&
+                 km_dot(f->step, v->t, f->columns) >= 0.0;
+    if (*is_closed) { /* passed: a step to the start */
       h -= km_dot(f->step, v->t, f->columns);
       if (!step(v, h, &first))
         return true;
@@ -462,13 +479,15 @@ static bool follow(km_surface_curves *v, bool *is_closed) {
     int count = find_roots(v, h, value, roots);
     if (count > 0 && !add_roots(v, roots, count, &is_end))
       return false;
+    *length = is_end ? HUGE_VAL : *length;
     if (is_end || *is_closed || value[MARGIN] < 0.0 || (count > 0 && !step(v, h, &first)))
       return true;
     if (!add_point(v, KM_TURNING_NONE))
       return false;
     save_point(v, &v->from);
     memcpy(v->from.value, value, sizeof value);
-    h = first < 0.05 * h ? fmin(2.0 * h, longest_step) : h;
+    if (interpolation_error(2.0 * h, 4.0 * first) < most_interpolation_error)
+      h = fmin(2.0 * h, longest_step);
   }
   return true;
 }
@@ -521,6 +540,44 @@ static bool is_same_curve(const km_surface_curve *a, const km_surface_curve *b) 
   return a->kind == b->kind && (a->kind != KM_CURVE_LIMIT || (a->column == b->column && a->bound == b->bound));
 }
 
+/* Distance of the state from the Hermite interpolant between two points of a curve, from which it differs by the steps
+ * from[columns] and to[columns], at the foot of its perpendicular; infinity beyond the ends. */
+static double distance_from_chord(km_surface_curves *v, const km_curve_point *p, const km_curve_point *next) {
+  km_driver_surface *f = v->f;
+  double *from = v->x, *to = v->R, length = 0.0, u = 0.5, square = HUGE_VAL;
+  km_driver_surface_difference(f, p->saved, from);
+  km_driver_surface_difference(f, next->saved, to);
+  for (int k = 0; k < f->columns; ++k)
+    length += (from[k] - to[k]) * (from[k] - to[k]);
+  length = sqrt(length);
+  for (int i = 0; i < MOST_NEWTON; ++i) {
+    double along = 0.0, rate = 0.0;
+    square = 0.0;
+    for (int k = 0; k < f->columns; ++k) {
+      double c[4];
+      km_cubic_hermite(0.0, length * p->tangent[k], from[k] - to[k], length * next->tangent[k], c);
+      double away = from[k] - km_cubic(c, u), d = km_cubic_rate(c, u);
+      along += away * d;
+      rate += d * d;
+      square += away * away;
+    }
+    if (fabs(along) < foot_converged * rate)
+      break;
+    u = fmin(fmax(u + along / rate, -0.5), 1.5);
+  }
+  return fabs(u - 0.5) < 0.5 + foot_converged ? sqrt(square) : HUGE_VAL;
+}
+
+/* True if the state is on a known curve of this kind. */
+static bool is_on_known(km_surface_curves *v) {
+  for (size_t i = 0; i + 1 < v->point_count; ++i)
+    if (is_same_curve(&v->points[i].of, &v->of) && v->points[i + 1].curve == v->points[i].curve &&
+        km_driver_surface_difference(v->f, v->points[i].saved, v->f->step) < 1.5 * longest_step &&
+        distance_from_chord(v, &v->points[i], &v->points[i + 1]) < same_curve)
+      return true;
+  return false;
+}
+
 /* True if a point of a known curve of this kind is nearer to the state than `reach`. */
 static bool is_known(const km_surface_curves *v, double reach) {
   for (size_t i = 0; i < v->point_count; ++i)
@@ -560,22 +617,30 @@ bool km_surface_curves_add(km_surface_curves *v, const km_surface_curve *of, con
   km_driver_surface *f = v->f;
   choose(v, of);
   km_driver_surface_restore(f, saved);
-  if (is_known(v, reach + longest_step) || !move_to_curve(v) || function_value(v, MARGIN) < 0.0 ||
-      is_known(v, 1.5 * longest_step))
+  if (is_known(v, reach + longest_step) || !move_to_curve(v) || function_value(v, MARGIN) < 0.0 || is_on_known(v))
     return true;
   ++v->count;
   v->row_count = 0;
   save_point(v, &v->start);
   bool is_closed = false;
-  if (!add_point(v, KM_TURNING_NONE) || !follow(v, &is_closed))
+  double length, other_length;
+  int critical_count = v->critical_count;
+  if (!add_point(v, KM_TURNING_NONE) || !follow(v, &is_closed, &length))
     return false;
   size_t first = v->row_count;
-  if (is_closed)
+  if (is_closed && length > least_length)
     return write_points(v, 0, first, 1) && write_points(v, 0, 1, 1);
   restore_point(v, &v->start);
   for (int i = 0; i < v->unknowns; ++i)
     v->t[i] = -v->t[i];
-  return follow(v, &is_closed) && write_points(v, first - 1, (size_t)-1, -1) && write_points(v, first, v->row_count, 1);
+  if (!follow(v, &is_closed, &other_length))
+    return false;
+  if (length + other_length < least_length) {
+    --v->count;
+    v->critical_count = critical_count;
+    return true;
+  }
+  return write_points(v, first - 1, (size_t)-1, -1) && write_points(v, first, v->row_count, 1);
 }
 
 bool km_surface_curves_leave(km_surface_curves *v, size_t i, double distance, bool *is_point) {

@@ -302,7 +302,6 @@ static int count_cells(const km_table *cells, int aspect) {
 static void workspace_has_inverse_solutions(void **state) {
   (void)state;
   uint64_t random = 77;
-  int narrow = 0; /* mechanisms of which two aspects are nearer to each other than grid points */
   for (int trial = 0; trial < WORKSPACES; ++trial) {
     five_bar b = random_five_bar(&random);
     fixture f = build(&b);
@@ -343,15 +342,11 @@ static void workspace_has_inverse_solutions(void **state) {
     check_outline(&b, low, high, &map);
     assert_int_equal(map.unbounded, 0);
     assert_near(map.workspace_area, area, 1e-2);
-    print_message("T %d %g %g gap %g un %d\n", trial, aspects, sum, map.gap, map.unbounded);
-    for (int i = 0; i < map.workspace_count; ++i)
-      if (fabs(aspects - sum) > .01)
-        print_message(" %d: %g cells %d\n", i + 1, map.workspaces[i].area, count_cells(map.cells, i + 1));
+    assert_near(aspects, sum, 1e-2 + 3e-3 * sum); /* of the lines */
     km_space_map_free(&map);
     km_all_modes_free(&modes);
     fixture_close(&f);
   }
-  assert_true(narrow <= 1);
 }
 
 /* Drivers of different parts: an arm of two hinges in no loop, whose second link carries a four-bar that a crank
