@@ -1,8 +1,10 @@
 /* Closed configurations with as many controls as freedoms (space/driver_surface.h). */
 #include "space/driver_surface.h"
 
+#include "base/number/vectors.h"
+#include "kinematics/body_poses.h"
 #include "kinematics/loop_equations.h"
-#include "kmech/mobility.h"
+#include "local/generic_neighbour.h"
 #include "space/real_solve.h"
 
 #include <string.h>
@@ -23,6 +25,10 @@ int km_driver_surface_coordinate(const km_driver_surface *f, int column) {
 }
 
 /* ---- Preparation. */
+
+static km_status no_memory(km_error *error) {
+  return km_fail(error, KM_MEMORY, "out of memory for the map");
+}
 
 /* Adds the part of a driver, unless it is there. *column: of the driver. */
 static km_status add_part(km_driver_surface *f, int coordinate, int *column, km_error *error) {
@@ -51,19 +57,6 @@ static km_status add_part(km_driver_surface *f, int coordinate, int *column, km_
   return KM_OK;
 }
 
-/* The parts must have as many conditions as coordinates without the controls. */
-static km_status check_parts(const km_driver_surface *f, const char *expected, km_error *error) {
-  for (int k = 0; k < km_driver_surface_joints(f); ++k)
-    if (f->m->ball_of[km_driver_surface_coordinate(f, k)] >= 0)
-      return km_fail(
-          error, KM_USAGE,
-          "this part of the mechanism has ball joints, which maps, paths and turning curves don't cover; expected hinges and slides");
-  if (f->rows == f->columns - f->control_count)
-    return KM_OK;
-  return km_fail(error, KM_USAGE, "the part of the mechanism has %d coordinates and %d conditions; expected %s",
-                 km_driver_surface_joints(f), f->rows, expected);
-}
-
 /* Axes of the plane in which the mechanism moves: a coordinate axis projected, and the one orthogonal to it. */
 static km_status find_plane(km_driver_surface *f, km_error *error) {
   double normal[3];
@@ -80,8 +73,48 @@ static km_status find_plane(km_driver_surface *f, km_error *error) {
   return KM_OK;
 }
 
-km_status km_driver_surface_create(km_driver_surface *f, const int *drivers, int count, const char *expected,
-                                   km_arena *arena, km_error *error) {
+static const km_surface_part *part_with(const km_driver_surface *f, int substructure) {
+  for (int i = 0; i < f->part_count; ++i)
+    if (f->part[i].substructure == substructure)
+      return &f->part[i];
+  return NULL;
+}
+
+/* Updates the errors and the Jacobian of all conditions at the state's configuration. */
+static void update_all(km_driver_surface *f) {
+  memset(f->all_J, 0, (size_t)(f->conditions * f->columns) * sizeof *f->all_J);
+  for (int i = 0; i < f->part_count; ++i) {
+    const km_surface_part *part = &f->part[i];
+    const km_substructure *sub = substructure_of(f, part);
+    if (!sub)
+      continue;
+    km_loops_recompute(f->m, f->s, sub);
+    km_state_jacobian_dense(f->s, sub, f->part_J);
+    memcpy(f->all_e + part->row_start, km_state_error(f->s, sub), (size_t)part->rows * sizeof *f->all_e);
+    for (int k = 0; k < part->columns; ++k)
+      memcpy(f->all_J + (size_t)((part->column_start + k) * f->conditions + part->row_start),
+             f->part_J + (size_t)(k * part->rows), (size_t)part->rows * sizeof *f->all_J);
+  }
+  for (int i = 0; i < f->rod_count; ++i) {
+    const km_rod_spin *rod = &f->rods[i];
+    int row = f->conditions - f->rod_count + i;
+    int column = part_with(f, f->m->substructure_of[rod->coordinate])->column_start + f->m->column_of[rod->coordinate];
+    km_vec3 gradient;
+    f->all_e[row] = km_rod_spin_angle(rod, f->s, &gradient);
+    f->all_J[column * f->conditions + row] = gradient.x;
+    f->all_J[(column + 1) * f->conditions + row] = gradient.y;
+    f->all_J[(column + 2) * f->conditions + row] = gradient.z;
+  }
+  f->gap = km_max_norm(f->all_e, f->conditions);
+}
+
+static void take_rows(km_driver_surface *f) {
+  km_primary_rows_take(&f->primary, f->all_J, f->columns, f->J);
+  km_primary_rows_take(&f->primary, f->all_e, 1, f->e);
+}
+
+km_status km_driver_surface_create(km_driver_surface *f, const int *drivers, int count, km_arena *arena,
+                                   km_error *error) {
   km_status status = KM_OK;
   f->control_count = count + (f->number != NULL);
   for (int d = 0; !status && d < count; ++d)
@@ -90,26 +123,13 @@ km_status km_driver_surface_create(km_driver_surface *f, const int *drivers, int
     return status;
   const km_surface_part *last = &f->part[f->part_count - 1];
   f->columns = last->column_start + last->columns + (f->number != NULL);
-  f->rows = last->row_start + last->rows;
-  status = check_parts(f, expected, error);
-  if (status)
-    return status;
-  size_t n = (size_t)f->columns, r = (size_t)f->rows;
-  f->saved_size = KM_SAVED_PER_COLUMN * n;
-  f->other = KM_ARENA_NEW(arena, int, r + 1);
-  f->J = KM_ARENA_NEW(arena, double, n *r + 1);
-  f->part_J = KM_ARENA_NEW(arena, double, n *r + 1);
-  f->e = KM_ARENA_NEW(arena, double, r + 1);
-  f->A = KM_ARENA_NEW(arena, double, r *r + 1);
-  f->row = KM_ARENA_NEW(arena, int, r + 1);
-  f->step = KM_ARENA_NEW(arena, double, n);
-  f->x = KM_ARENA_NEW(arena, double, r + 1);
-  f->b = KM_ARENA_NEW(arena, double, r + 1);
-  f->G = KM_ARENA_NEW(arena, double, 2 * n);
-  f->wraps = KM_ARENA_NEW(arena, bool, n);
-  f->frame_jacobian = KM_ARENA_NEW(arena, double, 6 * (size_t)f->m->coordinate_count);
+  f->rows = f->columns - f->control_count;
+  f->saved_size = KM_SAVED_PER_COLUMN * (size_t)f->columns + 2; /* the choice of rows and the number are the last two */
+  f->other = KM_ARENA_NEW(arena, int, (size_t)f->rows + 1);
+  f->wraps = KM_ARENA_NEW(arena, bool, (size_t)f->columns);
+  f->step = KM_ARENA_NEW(arena, double, (size_t)f->columns);
   if (arena->failed)
-    return km_fail(error, KM_MEMORY, "out of memory for the map");
+    return no_memory(error);
   status = f->frame >= 0 ? find_plane(f, error) : KM_OK;
   if (status)
     return status;
@@ -127,22 +147,131 @@ km_status km_driver_surface_create(km_driver_surface *f, const int *drivers, int
   return KM_OK;
 }
 
+/* ---- Freedoms and conditions. */
+
+/* Freedoms of a part: at the state's configuration, or those that remain at a neighbour on its motion. −1: out of
+ * memory. */
+static int freedoms_of(km_driver_surface *f, const km_surface_part *part) {
+  int own = part->substructure;
+  if (own < 0)
+    return 1;
+  km_arena arena = {0};
+  double *saved = KM_ARENA_NEW(&arena, double, KM_SAVED_PER_COLUMN *(size_t)part->columns);
+  double *move = KM_ARENA_NEW(&arena, double, (size_t)part->columns);
+  int freedoms = -1;
+  if (!arena.failed) {
+    freedoms = km_factor_freedom(f->s->factor[own]);
+    if (km_generic_neighbour_enter(f->m, f->s, own, saved, move) && km_factor_freedom(f->s->factor[own]) < freedoms)
+      freedoms = km_factor_freedom(f->s->factor[own]);
+    km_generic_neighbour_leave(f->m, f->s, own, saved);
+  }
+  km_arena_free(&arena);
+  return freedoms;
+}
+
+/* Finds the rods that can spin. */
+static km_status find_rods(km_driver_surface *f, km_arena *arena, km_error *error) {
+  km_passive_freedoms passive;
+  km_status status = km_passive_freedoms_find(f->m, f->s, NULL, NULL, &passive, error);
+  f->rods = KM_ARENA_NEW(arena, km_rod_spin, (size_t)passive.count + 1);
+  if (!status && !f->rods)
+    status = no_memory(error);
+  km_poses_compute(f->m, f->s);
+  for (int i = 0; !status && i < passive.count; ++i) {
+    const km_passive_freedom *freedom = &passive.items[i];
+    if (!part_with(f, freedom->substructure))
+      continue;
+    if (!km_rod_spin_create(f->m, f->s, freedom, &f->rods[f->rod_count++]))
+      status =
+          km_fail(error, KM_USAGE,
+                  "body \"%s\" can move while all others stand still; expected no such freedom but the spin of a rod "
+                  "between two ball joints",
+                  f->m->model->bodies[freedom->bodies[0]].name);
+  }
+  km_passive_freedoms_free(&passive);
+  return status;
+}
+
+static km_status check_freedoms(km_driver_surface *f, km_error *error) {
+  int freedoms = -f->rod_count, drivers = f->control_count - (f->number != NULL);
+  for (int i = 0; i < f->part_count; ++i) {
+    int own = freedoms_of(f, &f->part[i]);
+    if (own < 0)
+      return no_memory(error);
+    freedoms += own;
+  }
+  if (freedoms == drivers)
+    return KM_OK;
+  return km_fail(error, KM_USAGE,
+                 "%d driver%s of a part of the mechanism with %d freedom%s; expected as many drivers as freedoms (more "
+                 "freedoms: hold joints)",
+                 drivers, drivers == 1 ? "" : "s", freedoms, freedoms == 1 ? "" : "s");
+}
+
+static bool allocate(km_driver_surface *f, km_arena *arena) {
+  size_t n = (size_t)f->columns, r = (size_t)f->rows, all = (size_t)f->conditions, most = all > r ? all : r;
+  f->J = KM_ARENA_NEW(arena, double, n *r + 1);
+  f->e = KM_ARENA_NEW(arena, double, r + 1);
+  f->all_J = KM_ARENA_NEW(arena, double, n *all + 1);
+  f->all_e = KM_ARENA_NEW(arena, double, all + 1);
+  f->part_J = KM_ARENA_NEW(arena, double, n *most + 1);
+  f->A = KM_ARENA_NEW(arena, double, r *r + 1);
+  f->row = KM_ARENA_NEW(arena, int, r + 1);
+  f->x = KM_ARENA_NEW(arena, double, r + 1);
+  f->b = KM_ARENA_NEW(arena, double, r + 1);
+  f->G = KM_ARENA_NEW(arena, double, 2 * n);
+  f->frame_jacobian = KM_ARENA_NEW(arena, double, 6 * (size_t)f->m->coordinate_count);
+  return km_primary_rows_create(&f->primary, f->conditions, f->rows, f->columns, arena);
+}
+
+km_status km_driver_surface_begin(km_driver_surface *f, km_arena *arena, km_error *error) {
+  const km_surface_part *last = &f->part[f->part_count - 1];
+  km_mobility mobility;
+  if (km_mobility_compute(f->m, f->s, &mobility))
+    return no_memory(error);
+  km_status status = find_rods(f, arena, error);
+  if (!status)
+    status = check_freedoms(f, error);
+  if (status)
+    return status;
+  f->conditions = last->row_start + last->rows + f->rod_count;
+  if (!allocate(f, arena))
+    return no_memory(error);
+  update_all(f);
+  return km_primary_rows_choose(&f->primary, f->all_J) ? KM_OK : no_memory(error);
+}
+
 /* ---- Operations. */
 
 void km_driver_surface_update(km_driver_surface *f) {
-  memset(f->J, 0, (size_t)(f->rows * f->columns) * sizeof *f->J);
-  for (int i = 0; i < f->part_count; ++i) {
-    const km_surface_part *part = &f->part[i];
-    const km_substructure *sub = substructure_of(f, part);
-    if (!sub)
-      continue;
-    km_loops_recompute(f->m, f->s, sub);
-    km_state_jacobian_dense(f->s, sub, f->part_J);
-    memcpy(f->e + part->row_start, km_state_error(f->s, sub), (size_t)part->rows * sizeof *f->e);
-    for (int k = 0; k < part->columns; ++k)
-      memcpy(f->J + (size_t)((part->column_start + k) * f->rows + part->row_start),
-             f->part_J + (size_t)(k * part->rows), (size_t)part->rows * sizeof *f->J);
-  }
+  update_all(f);
+  take_rows(f);
+}
+
+bool km_driver_surface_exchange(km_driver_surface *f) {
+  bool is_changed;
+  km_primary_rows_exchange(&f->primary, f->all_J, &is_changed);
+  if (is_changed)
+    take_rows(f);
+  return is_changed;
+}
+
+void km_driver_surface_stop_spins(km_driver_surface *f) {
+  for (int i = 0; i < f->rod_count; ++i)
+    km_rod_spin_reset(&f->rods[i], f->m, f->s);
+}
+
+void km_driver_surface_restart(km_driver_surface *f) {
+  bool is_changed;
+  f->primary.present = 0;
+  km_driver_surface_stop_spins(f);
+  update_all(f);
+  if (!km_primary_rows_exchange(&f->primary, f->all_J, &is_changed))
+    km_primary_rows_choose(&f->primary, f->all_J);
+}
+
+bool km_driver_surface_is_closed(const km_driver_surface *f) {
+  return f->gap <= sqrt(6.0) * f->m->closure_tolerance; /* the tolerance is that of the mean square of six */
 }
 
 bool km_driver_surface_factor(km_driver_surface *f, int *sign) {
@@ -150,6 +279,11 @@ bool km_driver_surface_factor(km_driver_surface *f, int *sign) {
     for (int j = 0; j < f->rows; ++j)
       f->A[i * f->rows + j] = f->J[f->other[j] * f->rows + i];
   return km_real_factor(f->A, f->rows, f->row, sign);
+}
+
+/* True if all conditions are satisfied, where Newton's method has ended. The primary rows may be exchanged. */
+static bool finish(km_driver_surface *f, int *sign) {
+  return km_driver_surface_is_closed(f) && (!km_driver_surface_exchange(f) || km_driver_surface_factor(f, sign));
 }
 
 bool km_driver_surface_close(km_driver_surface *f, double most, int *sign) {
@@ -163,7 +297,7 @@ bool km_driver_surface_close(km_driver_surface *f, double most, int *sign) {
       f->b[k] = -f->e[k];
     }
     if (error <= closed)
-      return true;
+      return finish(f, sign);
     if (!isfinite(error))
       return false;
     km_real_solve(f->A, f->rows, f->row, f->b, f->x);
@@ -175,7 +309,7 @@ bool km_driver_surface_close(km_driver_surface *f, double most, int *sign) {
     if (!(correction < HUGE_VAL) || (i == 0 && correction > most))
       return false;
     if (i > 1 && correction < closed) /* the error is rounding */
-      return true;
+      return finish(f, sign);
     km_driver_surface_move(f, f->step);
   }
   return false;
@@ -194,16 +328,29 @@ void km_driver_surface_rates(km_driver_surface *f, double *N) {
   }
 }
 
+void km_driver_surface_spin(km_driver_surface *f, int rod, double *z) {
+  memset(f->b, 0, (size_t)f->rows * sizeof *f->b);
+  memset(z, 0, (size_t)f->columns * sizeof *z);
+  f->b[f->rows - f->rod_count + rod] = 1.0; /* the condition depends on no other, so that it is primary */
+  km_real_solve(f->A, f->rows, f->row, f->b, f->x);
+  for (int k = 0; k < f->rows; ++k)
+    z[f->other[k]] = f->x[k];
+}
+
 double km_driver_surface_input_value(km_driver_surface *f) {
-  size_t r = (size_t)f->rows;
+  int rows = f->conditions - f->rod_count, rank = f->rows - f->rod_count;
   for (int j = 0; j < f->rows; ++j)
-    memcpy(f->part_J + (size_t)j * r, f->J + (size_t)f->other[j] * r, r * sizeof *f->J);
-  return r > 0 ? km_smallest_singular_value(f->part_J, f->rows, f->rows) : nan("");
+    memcpy(f->part_J + (size_t)(j * rows), f->all_J + (size_t)(f->other[j] * f->conditions),
+           (size_t)rows * sizeof *f->all_J);
+  return rank > 0 ? km_singular_value(f->part_J, rows, f->rows, rank) : nan("");
 }
 
 double km_driver_surface_closure_value(km_driver_surface *f) {
-  km_driver_surface_rows(f, f->part_J, f->columns);
-  return f->rows > 0 ? km_smallest_singular_value(f->part_J, f->columns, f->rows) : nan("");
+  int rows = f->conditions - f->rod_count, rank = f->rows - f->rod_count;
+  for (int i = 0; i < rows; ++i)
+    for (int k = 0; k < f->columns; ++k)
+      f->part_J[i * f->columns + k] = f->all_J[k * f->conditions + i];
+  return rank > 0 ? km_singular_value(f->part_J, f->columns, rows, rank) : nan("");
 }
 
 int km_driver_surface_joints(const km_driver_surface *f) {
@@ -272,11 +419,13 @@ void km_driver_surface_save(const km_driver_surface *f, double *saved) {
     else
       *own = f->s->q[part->coordinate];
   }
+  saved[f->saved_size - 2] = f->primary.present;
   if (f->number)
     saved[f->saved_size - 1] = f->number->value;
 }
 
 void km_driver_surface_restore(km_driver_surface *f, const double *saved) {
+  f->primary.present = (int)saved[f->saved_size - 2];
   if (f->number)
     km_design_number_set(f->number, saved[f->saved_size - 1]);
   for (int i = 0; i < f->part_count; ++i) {
@@ -326,12 +475,43 @@ double km_driver_surface_margin(const km_driver_surface *f, int except) {
   for (int d = 0; d < 2; ++d)
     if (f->control[d] != except && !f->is_full_turn[d])
       least = fmin(least, within(km_driver_surface_value(f, d), f->low[d], f->high[d]));
-  for (int k = 0; k < km_driver_surface_joints(f) && f->keeps_limits; ++k) {
-    int c = km_driver_surface_coordinate(f, k);
+  for (int k = 0; k < km_driver_surface_joints(f) && f->keeps_limits; ++k)
     if (k != except)
-      least = fmin(least, within(f->s->q[c], f->m->low[c], f->m->high[c]));
-  }
+      least = fmin(least, within(km_driver_surface_limited_value(f, k), km_driver_surface_low(f, k),
+                                 km_driver_surface_high(f, k)));
   return least;
+}
+
+/* True if the column is the second or third one of a ball joint. */
+static bool is_further_column(const km_driver_surface *f, int column) {
+  int c = km_driver_surface_coordinate(f, column), ball = f->m->ball_of[c];
+  return ball >= 0 && c != f->m->ball_coordinate[ball];
+}
+
+double km_driver_surface_limited_value(const km_driver_surface *f, int column) {
+  int c = km_driver_surface_coordinate(f, column);
+  if (f->m->ball_of[c] < 0)
+    return f->s->q[c];
+  return is_further_column(f, column) ? 0.0 : km_norm(&f->s->q[c], 3);
+}
+
+void km_driver_surface_add_limited_row(const km_driver_surface *f, int column, double *row) {
+  int c = km_driver_surface_coordinate(f, column);
+  double angle = km_norm(&f->s->q[c], f->m->ball_of[c] < 0 ? 0 : 3);
+  if (f->m->ball_of[c] < 0)
+    row[column] += 1.0;
+  for (int k = 0; k < 3 && angle > 0.0; ++k) /* the axis is the same in both frames */
+    row[column + k] += f->s->q[c + k] / angle;
+}
+
+double km_driver_surface_low(const km_driver_surface *f, int column) {
+  int c = km_driver_surface_coordinate(f, column);
+  return f->m->ball_of[c] < 0 ? f->m->low[c] : -HUGE_VAL;
+}
+
+double km_driver_surface_high(const km_driver_surface *f, int column) {
+  int c = km_driver_surface_coordinate(f, column);
+  return f->m->ball_of[c] < 0 ? f->m->high[c] : is_further_column(f, column) ? HUGE_VAL : f->m->max_ball_angle[c];
 }
 
 bool km_driver_surface_is_outside_limit(const km_driver_surface *f) {

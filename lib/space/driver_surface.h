@@ -2,6 +2,7 @@
  *
  *   e(q) = 0 [r],   J = (A B),   A: the r columns of the other coordinates, B: those of the controls u
  *   dq = N du,  N = (−A⁻¹ B; I)
+ *   rows of all conditions: J_all = W J,  |W_ij| ≤ 2   J: the primary rows, r = rank J_all, the first times ±1
  *   input  : K = (J; rows of the drivers in the unit matrix)   singular where A is
  *   output : K = (J; G_x; G_y),  G = ∂(place of a point in its plane)/∂q
  *
@@ -13,6 +14,8 @@
 #include "kinematics/state.h"
 #include "kmech/space.h"
 #include "space/design_number.h"
+#include "space/surface/primary_rows.h"
+#include "space/surface/rod_spin.h"
 
 /* A part of the mechanism that a driver moves: a substructure, or a joint of no loop. */
 typedef struct km_surface_part {
@@ -28,17 +31,24 @@ typedef struct km_driver_surface {
   km_surface_part part[KM_MAX_PATH_DRIVERS]; /* parts of the drivers; several may be in one */
   int part_count;
   double size;       /* length of the output's rows: that of the largest part */
-  int columns, rows; /* unknowns, with the number behind the coordinates; rows = columns − controls */
+  int columns, rows; /* unknowns, with the number behind the coordinates; primary rows = columns − controls */
+  int conditions;    /* primary rows, and those that depend on them, of parts and rods */
+  int rod_count;     /* rods that are held from spinning: their conditions come last */
+  km_rod_spin *rods;
   int control_count, control[KM_MAX_PATH_DRIVERS]; /* columns of the controls */
   double low[2], high[2];                          /* ranges of two controls: the model's units */
   bool is_full_turn[2];                            /* a hinge whose range is a full turn, and so without ends */
   bool keeps_limits;                               /* joint limits bound curves too */
   km_design_number *number;                        /* the last control; NULL: a driver */
   int *other;                                      /* [rows] the other columns */
-  double *J;      /* [rows × columns], column-major; the number's column isn't updated */
-  double *e;      /* [rows] closure errors */
-  double *part_J; /* [rows × columns] workspace */
-  double *A;      /* [rows × rows], by rows: factors after km_driver_surface_factor */
+  double *J;               /* [rows × columns], column-major; the number's column isn't updated */
+  double *e;               /* [rows] closure errors */
+  double *all_J;           /* [conditions × columns] of all conditions */
+  double *all_e;           /* [conditions] */
+  double gap;              /* largest magnitude of all_e */
+  double *part_J;          /* [conditions × columns] workspace */
+  km_primary_rows primary; /* rows of J and e among all conditions */
+  double *A;               /* [rows × rows], by rows: factors after km_driver_surface_factor */
   int *row;
   double *step, *x, *b;   /* [columns], [rows], [rows] */
   int frame;              /* the output's point: its frame; −1: none */
@@ -49,11 +59,22 @@ typedef struct km_driver_surface {
   size_t saved_size;      /* numbers of a saved configuration */
 } km_driver_surface;
 
-/* Allocates the arrays; m, s, number, frame and ranges are given, and drivers[count] as coordinates. KM_USAGE: a driver
- * is no free hinge or slide, a part of the mechanism has ball joints, or the parts have not as many conditions as other
- * coordinates; `expected` states the freedoms in that message. */
-km_status km_driver_surface_create(km_driver_surface *surface, const int *drivers, int count, const char *expected,
-                                   km_arena *arena, km_error *error);
+/* Finds parts and columns; m, s, number, frame and ranges are given, and drivers[count] as coordinates. KM_USAGE: a
+ * driver is no free hinge or slide, or the mechanism of a frame isn't planar. s may be missing if there is no frame. */
+km_status km_driver_surface_create(km_driver_surface *surface, const int *drivers, int count, km_arena *arena,
+                                   km_error *error);
+/* Finds the conditions at the state's closed configuration, with the first primary rows. KM_USAGE: the freedoms of the
+ * parts aren't as many as drivers, there or at a neighbour on the motion. */
+km_status km_driver_surface_begin(km_driver_surface *surface, km_arena *arena, km_error *error);
+/* Returns to the first choice of primary rows, at a closed configuration that no steps have led to, and turns spun rods
+ * back. */
+void km_driver_surface_restart(km_driver_surface *f);
+/* Turns spun rods back. */
+void km_driver_surface_stop_spins(km_driver_surface *f);
+/* Exchanges primary rows on which others depend with a larger weight than 2, at the last update. True if one was. */
+bool km_driver_surface_exchange(km_driver_surface *f);
+/* True if all conditions were satisfied at the last update. */
+bool km_driver_surface_is_closed(const km_driver_surface *f);
 /* Coordinate of a column that isn't the number's. */
 int km_driver_surface_coordinate(const km_driver_surface *f, int column);
 /* Updates e and J at the state's configuration. */
@@ -61,11 +82,15 @@ void km_driver_surface_update(km_driver_surface *f);
 /* Factors A of the last update; *sign is that of det A. False at a singular configuration. */
 bool km_driver_surface_factor(km_driver_surface *f, int *sign);
 /* Closes the loops with the controls fixed, by Newton's method. False if the first correction exceeds `most`, at a
- * singular configuration, or without convergence. On success A's factors, J and *sign belong to the configuration. */
+ * singular configuration, without convergence, or where other conditions than the primary ones stay open. On success
+ * A's factors, J and *sign belong to the configuration. */
 bool km_driver_surface_close(km_driver_surface *f, double most, int *sign);
 /* N[controls × joints], by controls, at the factors of A; without a number of the design. */
 void km_driver_surface_rates(km_driver_surface *f, double *N);
-/* Smallest singular values of A and of J at the last update, lengths over the sizes; NaN without conditions. */
+/* z[joints]: the spin of a rod with the drivers at rest, at the factors of A. */
+void km_driver_surface_spin(km_driver_surface *f, int rod, double *z);
+/* Smallest singular values of A and of J at the last update, lengths over the sizes, those of motions that dependent
+ * conditions or free spins leave at 0 left out; NaN without conditions. */
 double km_driver_surface_input_value(km_driver_surface *f);
 double km_driver_surface_closure_value(km_driver_surface *f);
 /* Number of coordinates without a number of the design: the order of K. */
@@ -89,6 +114,14 @@ double km_driver_surface_value(const km_driver_surface *f, int control);
 /* Least distance to the ends of the controls' ranges but full turns, and of the joints' limits if they are kept;
  * negative outside. The column `except` doesn't count; −1: all do. */
 double km_driver_surface_margin(const km_driver_surface *f, int except);
+/* Value of a column's coordinate to which limits apply, radians or the model's length: of a ball joint's first column
+ * its angle, of the others 0. */
+double km_driver_surface_limited_value(const km_driver_surface *f, int column);
+/* Adds the derivative of that value, scaled, to row[columns]. */
+void km_driver_surface_add_limited_row(const km_driver_surface *f, int column, double *row);
+/* Lower and upper limit of that value; infinite: none. */
+double km_driver_surface_low(const km_driver_surface *f, int column);
+double km_driver_surface_high(const km_driver_surface *f, int column);
 /* True if a coordinate of the parts exceeds its limits. */
 bool km_driver_surface_is_outside_limit(const km_driver_surface *f);
 

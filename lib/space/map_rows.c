@@ -4,6 +4,7 @@
  *   D = G N            of a point in its plane: smallest singular value, |det D| */
 #include "space/map_search.h"
 
+#include "base/number/vectors.h"
 #include "base/table.h"
 #include "kmech/mobility.h"
 
@@ -64,6 +65,22 @@ static bool add_boundary_columns(const km_map_search *g, km_table *table) {
 bool km_map_add_columns(km_map_search *g) {
   return add_cell_columns(g, g->out->cells) && add_curve_columns(g, g->out->curves) &&
          (g->f.frame < 0 || add_boundary_columns(g, g->out->boundary));
+}
+
+/* Copies N orthogonal to all spins z of rods: N <- N − z (zᵀ N) / (zᵀ z); rods have no joint in
+ * common. */
+static void leave_out_spins(km_driver_surface *f, const double *N, double *out, double *z) {
+  int n = f->columns;
+  memcpy(out, N, 2 * (size_t)n * sizeof *out);
+  for (int i = 0; i < f->rod_count; ++i) {
+    km_driver_surface_spin(f, i, z);
+    double square = km_dot(z, z, n);
+    for (int d = 0; d < 2; ++d) {
+      double part = km_dot(z, N + d * n, n) / square;
+      for (int k = 0; k < n; ++k)
+        out[d * n + k] -= part * z[k];
+    }
+  }
 }
 
 /* Writes m_j of every coordinate. */
@@ -132,7 +149,8 @@ bool km_map_fill_row(km_map_search *g, int cell, int sheet, const double *N, int
     if (c != g->def->axis[0].coordinate && c != g->def->axis[1].coordinate)
       *row++ = km_state_value(f->s, c);
   memset(row, 0, (size_t)coordinates * sizeof *row);
-  write_mobility_numbers(f, N, row);
+  leave_out_spins(f, N, g->edge_N, f->step);
+  write_mobility_numbers(f, g->edge_N, row);
   row += coordinates;
   *row++ = km_driver_surface_input_value(f);
   *row++ = km_driver_surface_closure_value(f);

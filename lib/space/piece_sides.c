@@ -69,7 +69,7 @@ static bool move_across(km_workspace_search *w, const km_curve_point *p, double 
       return false;
     km_real_solve(w->M, n, w->row, w->b, f->step);
     if (km_norm(f->step, n) < converged)
-      return true;
+      return km_driver_surface_is_closed(f);
   }
   return false;
 }

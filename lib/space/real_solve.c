@@ -63,7 +63,7 @@ void km_real_solve(const double *LU, int n, const int *row, const double *b, dou
 }
 
 /* Rotations of pairs of columns until they are orthogonal (one-sided Jacobi method, M. R. Hestenes 1958). */
-double km_smallest_singular_value(double *A, int rows, int columns) {
+double km_singular_value(double *A, int rows, int columns, int rank) {
   bool is_rotated = true;
   for (int sweep = 0; is_rotated && sweep < MOST_SWEEPS; ++sweep) {
     is_rotated = false;
@@ -87,12 +87,14 @@ double km_smallest_singular_value(double *A, int rows, int columns) {
         }
       }
   }
-  double smallest = HUGE_VAL;
-  for (int i = 0; i < columns; ++i) {
+  for (int i = 0; i < columns; ++i) { /* squares of the lengths, the largest first */
     double square = 0.0;
     for (int k = 0; k < rows; ++k)
       square += A[i * rows + k] * A[i * rows + k];
-    smallest = fmin(smallest, square);
+    int at = i;
+    for (; at > 0 && A[at - 1] < square; --at)
+      A[at] = A[at - 1];
+    A[at] = square;
   }
-  return sqrt(smallest);
+  return sqrt(A[rank - 1]);
 }

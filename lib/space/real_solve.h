@@ -13,7 +13,8 @@ bool km_real_factor(double *A, int n, int *row, int *sign);
 void km_real_solve(const double *LU, int n, const int *row, const double *b, double *x);
 /* det A of A[n × n], which is destroyed; 0 where a pivot is. O(n³). */
 double km_real_determinant(double *A, int n, int *row);
-/* Smallest singular value of A[rows × columns], column-major, rows >= columns. A is destroyed. O(10 rows columns²). */
-double km_smallest_singular_value(double *A, int rows, int columns);
+/* Singular value number `rank` from the largest, of A[rows × columns], column-major. A is destroyed. O(10 rows
+ * columns²). */
+double km_singular_value(double *A, int rows, int columns, int rank);
 
 #endif

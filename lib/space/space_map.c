@@ -306,9 +306,9 @@ static bool add_exceeded_limits(km_map_search *g, km_surface_curves *curves, int
   const km_driver_surface *f = &g->f;
   bool is_ok = true;
   for (int k = 0; is_ok && k < km_driver_surface_joints(f); ++k) {
-    int c = km_driver_surface_coordinate(f, k);
     km_driver_surface_restore(&g->f, g->saved + (size_t)neighbour * f->saved_size);
-    double q = f->s->q[c], low = f->m->low[c], high = f->m->high[c];
+    double q = km_driver_surface_limited_value(f, k), low = km_driver_surface_low(f, k),
+           high = km_driver_surface_high(f, k);
     const km_surface_curve limit = {KM_CURVE_LIMIT, k, q > high ? high : low};
     if (q > high || q < low)
       is_ok = km_surface_curves_add(curves, &limit, g->saved + (size_t)cell * f->saved_size, g->curve_reach);
@@ -414,8 +414,7 @@ static km_status prepare(km_map_search *g, km_error *error) {
   for (int d = 0; d < 2; ++d)
     f->is_full_turn[d] = !axis_ends(g, d);
   f->keeps_limits = def->within_limits;
-  km_status status = km_driver_surface_create(
-      f, drivers, 2, "two freedoms and no redundant conditions (more freedoms: hold joints)", &g->arena, error);
+  km_status status = km_driver_surface_create(f, drivers, 2, &g->arena, error);
   if (status)
     return status;
   for (int d = 0; d < 2; ++d)
@@ -496,6 +495,12 @@ static bool add_crossing_curves(km_surface_curves *curves) {
   return is_ok;
 }
 
+/* Moves the state to a mode. */
+static km_status move_to_mode(km_map_search *g, const km_all_modes *modes, int i, km_error *error) {
+  const km_mechanism *m = g->f.m;
+  return km_state_set_coordinates(m, g->f.s, modes->coordinates + (size_t)i * (size_t)m->coordinate_count, error);
+}
+
 static km_status follow_sheets(km_map_search *g, const km_all_modes *modes, km_progress progress, void *context,
                                km_error *error) {
   km_driver_surface *f = &g->f;
@@ -503,10 +508,11 @@ static km_status follow_sheets(km_map_search *g, const km_all_modes *modes, km_p
   double *N = KM_ARENA_NEW(&g->arena, double, 2 * (size_t)f->columns);
   km_status status = curves && N ? KM_OK : no_memory(error);
   for (int i = 0; !status && i < modes->count; ++i) {
-    status =
-        km_state_set_coordinates(f->m, f->s, modes->coordinates + (size_t)i * (size_t)f->m->coordinate_count, error);
-    if (!status)
+    status = move_to_mode(g, modes, i, error);
+    if (!status) {
+      km_driver_surface_restart(f);
       status = follow_sheet(g, i + 1, 1, curves, N, progress, context, error);
+    }
   }
   if (!status && modes->count > 0 && !g->def->own_sheet)
     status = follow_sheets_of_curves(g, curves, modes->count, N, progress, context, error);
@@ -540,6 +546,10 @@ km_status km_space_map_compute(const km_mechanism *m, const km_state *s, const k
     km_state_copy(m, g.f.s, s);
     status = prepare(&g, error);
   }
+  if (!status && modes->count > 0)
+    status = move_to_mode(&g, modes, 0, error);
+  if (!status && modes->count > 0)
+    status = km_driver_surface_begin(&g.f, &g.arena, error);
   if (!status)
     status = follow_sheets(&g, modes, progress, context, error);
   km_arena_free(&g.arena);

@@ -188,7 +188,7 @@ static void fill_singular_rows(km_surface_curves *v) {
 /* Scaled value of a column's coordinate less the bound. */
 static double over_bound(const km_surface_curves *v) {
   int c = km_driver_surface_coordinate(v->f, v->of.column);
-  return (v->f->s->q[c] - v->of.bound) / v->f->m->unit[c];
+  return (km_driver_surface_limited_value(v->f, v->of.column) - v->of.bound) / v->f->m->unit[c];
 }
 
 /* Fills M and R at the state's configuration and z; the last row of M is `last`. */
@@ -210,7 +210,7 @@ static bool fill(km_surface_curves *v, const double *last) {
   if (is_singular) {
     fill_singular_rows(v);
   } else {
-    v->M[r * u + v->of.column] = 1.0;
+    km_driver_surface_add_limited_row(f, v->of.column, v->M + r * u);
     v->R[r] = -over_bound(v);
   }
   v->R[u - 1] = 0.0;
@@ -292,7 +292,7 @@ static bool step(km_surface_curves *v, double h, double *first) {
     return false;
   for (int j = 0; j < v->vector; ++j)
     v->z[j] += h * v->t[f->columns + j];
-  return correct(v, first) && update_tangent(v);
+  return correct(v, first) && update_tangent(v) && km_driver_surface_is_closed(f);
 }
 
 /* ---- Points and the roots between them. */
@@ -484,6 +484,8 @@ static bool follow(km_surface_curves *v, bool *is_closed, double *length) {
       return true;
     if (!add_point(v, KM_TURNING_NONE))
       return false;
+    if (km_driver_surface_exchange(f) && update_tangent(v))
+      update_values(v, value);
     save_point(v, &v->from);
     memcpy(v->from.value, value, sizeof value);
     if (interpolation_error(2.0 * h, 4.0 * first) < most_interpolation_error)
@@ -524,6 +526,9 @@ static bool move_to_curve(km_surface_curves *v) {
   uint64_t random = 5;
   for (int i = 0; i < v->unknowns; ++i)
     v->t[i] = km_uniform(&random);
+  km_driver_surface_stop_spins(v->f);
+  km_driver_surface_update(v->f);
+  km_driver_surface_exchange(v->f);
   if (v->vector > 0 && !start_vector(v))
     return false;
   for (int i = 0; i < MOST_NEWTON; ++i) {
@@ -531,7 +536,7 @@ static bool move_to_curve(km_surface_curves *v) {
     if (!update_tangent(v) || !newton_step(v, &correction) || correction > longest_start_step)
       return false;
     if (correction <= converged)
-      return update_tangent(v);
+      return update_tangent(v) && km_driver_surface_is_closed(v->f);
   }
   return false;
 }

@@ -23,6 +23,7 @@ static const double far_slide = 100.0;        /* displacement of a slide at infi
 static const double longest_circuit = 2000.0; /* arc length in one sense */
 static const double most_correction = 0.3;    /* |D δ| of one step of the number: radians, sizes */
 static const double shortest_step = 1e-4;     /* shortest step of the number, a part of the range */
+static const double least_return = 5.0;       /* shortest circuit of a mechanism with spinning rods, in steps */
 static const double same_driver = 1e-6; /* distance of the driver at equal critical values: radians, length unit */
 static const double same_number = 1e-9; /* distance of equal critical values, a part of the range */
 
@@ -106,6 +107,17 @@ static bool is_far(const turning_search *g) {
   return false;
 }
 
+/* True if the state is back at g->place but for spins of rods, after a step of this length: half of it away at most. */
+static bool has_returned(turning_search *g, double length, double step) {
+  if (g->f.rod_count == 0 || length < least_return * step)
+    return false;
+  km_driver_surface_save(&g->f, g->before);
+  km_driver_surface_stop_spins(&g->f);
+  double distance = km_driver_surface_difference(&g->f, g->place, g->f.step);
+  km_driver_surface_restore(&g->f, g->before);
+  return distance <= 0.5 * step;
+}
+
 /* Follows a motion until it closes or ends. *is_closed: it closed. */
 static void follow_motion(turning_search *g, km_arc_motion *motion, driver_swing *swing, bool *is_closed) {
   int d = g->def->driver;
@@ -122,7 +134,7 @@ static void follow_motion(turning_search *g, km_arc_motion *motion, driver_swing
       note_dead_point(g, motion, now - last, before, after, swing);
     else if (fabs(before) < fabs(after) && fabs(before) <= fabs(earlier) && before * earlier > 0.0)
       note_start(g, g->sample);
-    *is_closed = km_arc_motion_closed(motion);
+    *is_closed = km_arc_motion_closed(motion) || has_returned(g, now, now - last);
     earlier = before;
     before = after;
     last = now;
@@ -143,6 +155,7 @@ static km_status follow_circuit(turning_search *g, driver_swing *swing, km_error
   km_status status = KM_OK;
   *swing = (driver_swing){.low = HUGE_VAL, .high = -HUGE_VAL};
   g->start_count = 0;
+  km_driver_surface_stop_spins(&g->f);
   km_driver_surface_save(&g->f, g->place);
   for (double sense = 1.0; !status && !is_closed && sense >= -1.0; sense -= 2.0) {
     km_arc_motion *motion = NULL;
@@ -385,8 +398,7 @@ static km_status prepare(turning_search *g, const km_mechanism *m, const km_stat
   km_driver_surface *f = &g->f;
   *f = (km_driver_surface){
       .m = m, .low = {-HUGE_VAL, def->from}, .high = {HUGE_VAL, def->to}, .number = &g->number, .frame = -1};
-  km_status status = km_driver_surface_create(
-      f, &def->driver, 1, "one freedom and no redundant conditions (more freedoms: hold joints)", &g->arena, error);
+  km_status status = km_driver_surface_create(f, &def->driver, 1, &g->arena, error);
   if (!status && part_of(g) < 0)
     status = km_fail(error, KM_USAGE, "joint \"%s\" is in no loop; expected the driver of one",
                      m->model->coordinates[def->driver].label);
@@ -396,6 +408,9 @@ static km_status prepare(turning_search *g, const km_mechanism *m, const km_stat
     return status;
   f->m = g->number.m;
   f->s = g->number.s;
+  status = km_driver_surface_begin(f, &g->arena, error);
+  if (status)
+    return status;
   out->curves = km_table_create();
   g->starts = KM_ARENA_NEW(&g->arena, double, MOST_STARTS * f->saved_size);
   g->rates = KM_ARENA_NEW(&g->arena, double, (size_t)m->coordinate_count);

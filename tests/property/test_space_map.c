@@ -459,6 +459,7 @@ static void refusals(void **state) {
   fixture_close(&f);
   f = fixture_open("fourbar");
   const km_space_map_def one_freedom = {.axis = {{0, -1.0, 1.0, 4}, {3, -1.0, 1.0, 4}}};
+  assert_int_equal(km_state_coordinates(f.mechanism, f.state, zero, NULL), KM_OK);
   assert_int_equal(km_space_map_compute(f.mechanism, f.state, &one_freedom, &modes, NULL, NULL, &map, &error),
                    KM_USAGE);
   km_space_map_free(&map);

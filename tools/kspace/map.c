@@ -282,7 +282,7 @@ kt_exit kspace_map(int argc, char **argv) {
       "analysis.actuators, else the drivers; --ask clearance the pairs of kspace clearance. The curves are followed by "
       "continuation of the closure with a null vector; each point is on the curve to rounding. Exit status 1: the list of "
       "modes may lack some, and so the sheets; the outline of the workspace isn't closed, or leaves grid points outside; or "
-      "Ctrl-C ended the work: the finished sheets and the curves found so far are written. Ball joints, redundant conditions and more freedoms are refused. JSON keys "
+      "Ctrl-C ended the work: the finished sheets and the curves found so far are written. Other numbers of freedoms than two are refused. JSON keys "
       "beside those of every record: drivers (joint, from, to, steps), complete, reason (as that of modes), modes, sheets, aspects, curves, workspace "
       "(point, area, holes, gap, outside, aspects: aspect, area, circle, radius, rectangle, width, height), columns and "
       "rows of the grid.",

@@ -290,7 +290,7 @@ kt_exit kspace_path(int argc, char **argv) {
       "record is printed. Its keys beside those of every record: drivers, outcome (found, separated, end, not found), end (start or "
       "end: the one that isn't allowed), margin, ends (smallest singular value of the input at both), configurations, straight, "
       "smooth (false: the drivers turn corners), length, least_margin (null: the drivers move no loop), and the table's columns and rows. Exit status 1: "
-      "no path was found. Ball joints and redundant conditions are refused.",
+      "no path was found.",
       argc, argv);
   if (!kt_formats_parse_among(&o.common, o.format ? o.format : "csv,svg", "csv,json,svg,pdf,png", &o.formats))
     return KT_USAGE;

@@ -200,8 +200,8 @@ kt_exit kspace_turning(int argc, char **argv) {
       "Columns of the table: curve, number, critical (0: none, 1: crossing, 2: isolated, 3: cusp), q. of each joint. JSON "
       "keys beside those of every record: driver, number, from, to, complete, modes, intervals (from, to, motion: turns, "
       "swings, endless, not found, not assembled, not defined; low, high, dead_points), critical_values (number, driver, "
-      "kind, curve), curves, and the table's columns and rows. Exit status 1: the list of assembly modes may lack some, and so the curves. Ball joints, redundant conditions and more "
-      "freedoms are refused.",
+      "kind, curve), curves, and the table's columns and rows. Exit status 1: the list of assembly modes may lack some, and so the curves. Other numbers of "
+      "freedoms than one are refused.",
       argc, argv);
   kt_pose pose = {0};
   kt_variants variants = {0};

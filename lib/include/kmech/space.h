@@ -205,9 +205,9 @@ KM_API km_status km_map_modes_find(const km_mechanism *mechanism, const km_state
  * columns of the other coordinates. sigma.input and sigma.closure are the smallest singular values of A and of J,
  * sigma.output and manipulability the smallest singular value and the product of both of the point's Jacobian G by the
  * drivers; lengths over the substructure's size. The curves det A = 0 that bound the sheets, and det G = 0 on them, are
- * followed by continuation, each point to 1e-11. KM_USAGE: an axis is invalid, ball joints, the parts have not two
- * freedoms or have redundant conditions, or a point of a mechanism that isn't planar; KM_MEMORY; KM_CANCELLED. Free
- * `*out` in any case. O(cells · rank³). */
+ * followed by continuation, each point to 1e-11. The first mode is closed. Rods between two ball joints don't spin.
+ * KM_USAGE: an axis is invalid or a ball joint's, the parts have not two freedoms beside such spins, or a point of a
+ * mechanism that isn't planar; KM_MEMORY; KM_CANCELLED. Free `*out` in any case. O(cells · rank³). */
 KM_API km_status km_space_map_compute(const km_mechanism *mechanism, const km_state *state, const km_space_map_def *def,
                                       const km_all_modes *modes, km_progress progress, void *context, km_space_map *out,
                                       km_error *error);
@@ -275,9 +275,9 @@ typedef struct km_turning {
  * (q, p) with e(q, p) = 0, A: the Jacobian's columns of the other coordinates. Starts are the dead points of each
  * circuit at each step of the number, found by arc length. Critical values, where p is an extremum on a curve, are
  * located to 1e-9 of the range. Circuits that are at no step are not found, nor are their curves. Limits are ignored.
- * KM_USAGE: the driver can't move or is a ball joint, the part of the mechanism has not one freedom or has redundant
- * conditions, the path is no number, or the range is invalid; KM_IO, KM_MODEL: the file; KM_MEMORY; KM_CANCELLED. Free
- * `*out` in any case. O((circuits · steps · length + curve points) · (rank³ + reading the file)). */
+ * KM_USAGE: the driver can't move or is a ball joint, the part of the mechanism has not one freedom beside spins of
+ * rods between two ball joints, the path is no number, or the range is invalid; KM_IO, KM_MODEL: the file; KM_MEMORY;
+ * KM_CANCELLED. Free `*out` in any case. O((circuits · steps · length + curve points) · (rank³ + reading the file)). */
 KM_API km_status km_turning_find(const km_mechanism *mechanism, const km_state *state, const km_turning_def *def,
                                  km_progress progress, void *context, km_turning *out, km_error *error);
 KM_API void km_turning_free(km_turning *turning);
@@ -341,9 +341,9 @@ typedef struct km_space_path {
  * drivers comes first, then two trees of configurations that grow towards random ones and each other (J. Kuffner,
  * S. LaValle 2000), then shortening. Corners are then rounded by splines of the drivers, whose configurations are
  * allowed as well. Steps are at most 0.04 in radians and lengths over the size; each ends in a closed configuration, to
- * 1e-12. Drivers that move no loop are never singular. KM_USAGE: ball joints, not as many drivers as freedoms of a part
- * with loops, redundant conditions; KM_MEMORY; KM_CANCELLED. Free `*out` in any case. O(configurations² +
- * configurations · rank³). */
+ * 1e-12. Drivers that move no loop are never singular. KM_USAGE: a driver is a ball joint, not as many drivers as
+ * freedoms of the parts beside spins of rods between two ball joints; KM_MEMORY; KM_CANCELLED. Free `*out` in any
+ * case. O(configurations² + configurations · rank³). */
 KM_API km_status km_space_path_find(const km_mechanism *mechanism, const km_state *state, const km_space_path_def *def,
                                     km_progress progress, void *context, km_space_path *out, km_error *error);
 KM_API void km_space_path_free(km_space_path *path);

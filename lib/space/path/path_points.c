@@ -18,7 +18,8 @@ bool km_path_points_create(km_path_steps *g, double *const *saved, int count, km
     out->x[at] = at > 0 ? out->x[at - 1] + length : 0.0;
     for (int k = 0; k < n; ++k) {
       int c = km_driver_surface_coordinate(&g->f, k);
-      q[k] = at > 0 ? q[k - n] - g->towards[k] : g->f.s->q[c] / g->f.m->unit[c];
+      bool is_sum = at > 0 && g->f.m->ball_of[c] < 0; /* rotation vectors don't add up */
+      q[k] = is_sum ? q[k - n] - g->towards[k] : g->f.s->q[c] / g->f.m->unit[c];
     }
     out->saved[out->count++] = saved[i];
   }

@@ -7,8 +7,9 @@ static const double most_correction = 0.5; /* first correction over the step */
 
 km_status km_path_steps_create(km_path_steps *g, km_arena *a, km_error *error) {
   km_driver_surface *f = &g->f;
-  km_status status = km_driver_surface_create(f, g->def->drivers, g->def->driver_count,
-                                              "a driver for each freedom, and no redundant conditions", a, error);
+  km_status status = km_driver_surface_create(f, g->def->drivers, g->def->driver_count, a, error);
+  if (!status)
+    status = km_driver_surface_begin(f, a, error);
   if (status)
     return status;
   g->N = KM_ARENA_NEW(a, double, (size_t)(f->control_count * f->columns));
@@ -21,10 +22,9 @@ km_status km_path_steps_create(km_path_steps *g, km_arena *a, km_error *error) {
 }
 
 void km_path_steps_move_to(km_path_steps *g, const double *saved) {
-  int sign;
   km_driver_surface_restore(&g->f, saved);
   km_driver_surface_update(&g->f);
-  km_driver_surface_factor(&g->f, &sign);
+  km_driver_surface_factor(&g->f, &g->sign);
 }
 
 double km_path_steps_input_value(km_path_steps *g) {

@@ -21,12 +21,13 @@ typedef struct km_path_steps {
   int small_row[KM_MAX_PATH_DRIVERS];
   double *before; /* saved configuration */
   double margin;
-  int sign; /* sign of det A along the path; 0: not known yet */
+  int sign; /* sign of det A, which steps keep; 0: any */
 } km_path_steps;
 
-/* Allocates the arrays; f.m, f.s, def and margin are given. Errors as km_driver_surface_create. */
+/* Allocates the arrays; f.m, f.s, def and margin are given. Errors as km_driver_surface_create and
+ * km_driver_surface_begin. */
 km_status km_path_steps_create(km_path_steps *steps, km_arena *arena, km_error *error);
-/* Moves the state to a saved configuration; A's factors are then those there. */
+/* Moves the state to a saved configuration of the path or a tree; A's factors and `sign` are then those there. */
 void km_path_steps_move_to(km_path_steps *steps, const double *saved);
 /* Smallest singular value of A at the last update: infinite without conditions, where no driver is ever singular. */
 double km_path_steps_input_value(km_path_steps *steps);

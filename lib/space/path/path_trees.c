@@ -83,7 +83,7 @@ void km_path_trees_sample(km_path_trees *g) {
     double here = f->s->q[c] / f->m->unit[c];
     if (is_limited && !g->steps->def->ignore_limits)
       f->step[k] = unit * (0.5 * (low + high) + 0.5 * u * (high - low)) - here;
-    else if (km_coordinate_turns(f->m, c))
+    else if (km_coordinate_turns(f->m, c) || f->m->ball_of[c] >= 0)
       f->step[k] = M_PI * u;
     else
       f->step[k] = 0.5 * towards[k] + u * (slide_room + 0.5 * fabs(towards[k]));

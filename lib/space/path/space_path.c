@@ -27,6 +27,7 @@ static km_status no_memory(km_error *error) {
 
 /* Makes the state's configuration a root of a tree if it may be on a path. *sign: of det A; 0: the loops are open. */
 static km_status add_end(path_search *g, int side, km_space_path *out, int *sign, bool *is_added, km_error *error) {
+  km_driver_surface_restart(&g->steps.f);
   if (!km_driver_surface_close(&g->steps.f, HUGE_VAL, sign)) {
     *sign = 0;
     *is_added = false;
@@ -76,8 +77,8 @@ static km_status add_modes(path_search *g, km_space_path *out, km_error *error) 
     km_status status = add_end(g, 1, out, &sign, &is_added, error);
     if (status)
       return status;
-    is_opposite = is_opposite || sign == -g->steps.sign;
-    has_same_sign = has_same_sign || sign == g->steps.sign;
+    is_opposite = is_opposite || sign * g->steps.sign < 0;
+    has_same_sign = has_same_sign || sign * g->steps.sign > 0;
   }
   out->outcome = t->count > 0                    ? KM_SPACE_PATH_NOT_FOUND
                  : is_opposite && !has_same_sign ? KM_SPACE_PATH_SEPARATED
@@ -91,7 +92,7 @@ static km_status add_ends(path_search *g, km_space_path *out, km_error *error) {
   int sign = 0;
   bool is_added = false;
   km_status status = add_end(g, 0, out, &sign, &is_added, error);
-  g->steps.sign = sign;
+  g->steps.sign = f->conditions > f->rows ? 0 : sign; /* else the signs of both ends can't be compared */
   out->outcome = KM_SPACE_PATH_END;
   out->is_at_start = !is_added;
   if (status || !is_added)
@@ -104,9 +105,9 @@ static km_status add_ends(path_search *g, km_space_path *out, km_error *error) {
   }
   if (!status)
     status = add_end(g, 1, out, &sign, &is_added, error);
-  out->outcome = is_added                 ? KM_SPACE_PATH_NOT_FOUND
-                 : sign == -g->steps.sign ? KM_SPACE_PATH_SEPARATED
-                                          : KM_SPACE_PATH_END;
+  out->outcome = is_added                   ? KM_SPACE_PATH_NOT_FOUND
+                 : sign * g->steps.sign < 0 ? KM_SPACE_PATH_SEPARATED
+                                            : KM_SPACE_PATH_END;
   return status;
 }
 
@@ -201,12 +202,13 @@ static km_status check_drivers(const km_mechanism *m, const km_space_path_def *d
 }
 
 static km_status prepare(path_search *g, const km_state *s, km_space_path *out, km_error *error) {
-  km_status status = km_path_steps_create(&g->steps, &g->arena, error);
-  if (!status)
-    status = km_state_create(g->steps.f.m, &g->steps.f.s, error);
+  km_status status = km_state_create(g->steps.f.m, &g->steps.f.s, error);
   if (status)
     return status;
   km_state_copy(g->steps.f.m, g->steps.f.s, s);
+  status = km_path_steps_create(&g->steps, &g->arena, error);
+  if (status)
+    return status;
   g->trees.sample = KM_ARENA_NEW(&g->arena, double, g->steps.f.saved_size);
   return g->trees.sample && km_path_table_create(&g->steps, out) ? KM_OK : no_memory(error);
 }

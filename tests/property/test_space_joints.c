@@ -1,0 +1,341 @@
+/* Maps and paths of parts with dependent conditions and ball joints: closed forms, and planar mechanisms of which some
+ * hinges are balls. */
+#include "support/support.h"
+
+#include "base/random.h"
+#include "kmech/space.h"
+#include "model/model.h"
+#include "spatial/rotation.h"
+
+enum { TRIALS = 4 };
+
+static int coordinate(const fixture *f, const char *label) {
+  int c;
+  assert_int_equal(km_model_find_coordinate(f->model, label, &c, NULL), KM_OK);
+  return c;
+}
+
+static double cell(const km_table *table, size_t row, const char *column) {
+  int c = km_table_find(table, column);
+  assert_true(c >= 0);
+  return km_table_row(table, row)[c];
+}
+
+static km_space_map map_of(const fixture *f, double range, int steps) {
+  const km_space_map_def def = {
+      .axis = {{coordinate(f, "A"), -range, range, steps}, {coordinate(f, "E"), -range, range, steps}}};
+  km_all_modes modes;
+  km_space_map map;
+  km_error error = {0};
+  if (km_map_modes_find(f->mechanism, f->state, def.axis[0].coordinate, def.axis[1].coordinate, 1, NULL, NULL, &modes,
+                        &error) ||
+      km_space_map_compute(f->mechanism, f->state, &def, &modes, NULL, NULL, &map, &error))
+    fail_msg("%s", error.text);
+  km_all_modes_free(&modes);
+  return map;
+}
+
+/* ---- Spherical five-bars. */
+
+static km_vec3 turned(km_vec3 axis, double angle, km_vec3 v) {
+  km_vec3 u = km_vec3_scale(1.0 / km_vec3_norm(axis), axis);
+  km_vec3 across = km_vec3_cross(u, v);
+  return km_vec3_axpy(1.0 - cos(angle), km_vec3_cross(u, across), km_vec3_axpy(sin(angle), across, v));
+}
+
+/* Joints A to E in the order of the chain; all axes through a random point. */
+static fixture spherical_five_bar(uint64_t *random, km_vec3 axis[5], bool is_reversed) {
+  static const char *const body[] = {"fixed", "b1", "b2", "b3", "b4", "fixed"};
+  const double rough[5][3] = {{1, 0, 0}, {0.6, -0.5, 0.7}, {0.1, 0.1, 1}, {-0.5, 0.6, 0.7}, {0, 1, 0}};
+  double at[3];
+  km_text text = {0};
+  for (int k = 0; k < 3; ++k)
+    at[k] = 2.0 * km_uniform(random);
+  for (int i = 0; i < 5; ++i) {
+    const double *r = rough[i];
+    double by[3] = {km_uniform(random), km_uniform(random), km_uniform(random)};
+    axis[i] = (km_vec3){r[0] + 0.15 * by[0], r[1] + 0.15 * by[1], r[2] + 0.15 * by[2]};
+    axis[i] = km_vec3_scale(1.0 / km_vec3_norm(axis[i]), axis[i]);
+  }
+  km_text_format(&text, "{\"assemblies\": [{\"name\": \"a\", \"drawn\": \"assembled\", \"bodies\": [{\"name\": \"b1\"},"
+                        "{\"name\": \"b2\"}, {\"name\": \"b3\"}, {\"name\": \"b4\"}], \"joints\": [");
+  for (int k = 0; k < 5; ++k) {
+    int i = is_reversed ? 4 - k : k, first = i == 3 || i == 4 ? i + 1 : i, second = i == 3 || i == 4 ? i : i + 1;
+    km_text_format(&text,
+                   "%s{\"name\": \"%c\", \"type\": \"revolute\", \"bodies\": [\"%s\", \"%s\"], \"at\": [%.17g, %.17g, "
+                   "%.17g], \"axis\": [%.17g, %.17g, %.17g]}",
+                   k ? "," : "", 'A' + i, body[first], body[second], at[0], at[1], at[2], axis[i].x, axis[i].y,
+                   axis[i].z);
+  }
+  km_text_format(&text, "]}]}");
+  fixture f = fixture_read(text.data);
+  km_text_free(&text);
+  return f;
+}
+
+/* Axes of B, C by the chain of A, and of D; *gap: from C's axis by the chain of E. */
+static double passive_product(const km_vec3 axis[5], const km_table *t, size_t row, double *gap) {
+  double a = cell(t, row, "q.A"), e = cell(t, row, "q.E");
+  km_vec3 B = turned(axis[0], a, axis[1]), D = turned(axis[4], e, axis[3]);
+  km_vec3 C = turned(axis[0], a, turned(axis[1], cell(t, row, "q.B"), axis[2]));
+  km_vec3 other = turned(axis[4], e, turned(axis[3], cell(t, row, "q.D"), axis[2]));
+  *gap = km_vec3_norm(km_vec3_sub(C, other));
+  return km_vec3_dot(B, km_vec3_cross(C, D));
+}
+
+/* The passive links are in one plane on a singularity curve, and on one side of it on a sheet. */
+static void passive_axes_are_coplanar_on_the_curves(void **state) {
+  (void)state;
+  uint64_t random = 5;
+  size_t points = 0;
+  for (int trial = 0; trial < 2 * TRIALS; ++trial) {
+    km_vec3 axis[5];
+    fixture f = spherical_five_bar(&random, axis, trial % 2);
+    km_space_map map = map_of(&f, 2.0, 30);
+    double gap;
+    assert_int_equal(map.sheet_count, 2);
+    double first[3] = {0.0};
+    for (size_t k = 0; k < km_table_rows(map.cells); ++k) {
+      int sheet = (int)cell(map.cells, k, "sheet");
+      double product = passive_product(axis, map.cells, k, &gap);
+      assert_at_most(gap, 1e-10);
+      first[sheet] = first[sheet] == 0.0 ? product : first[sheet];
+      assert_true(product * first[sheet] > 0.0);
+    }
+    assert_true(first[1] * first[2] < 0.0);
+    for (size_t k = 0; k < km_table_rows(map.curves); ++k, ++points) {
+      assert_at_most(fabs(passive_product(axis, map.curves, k, &gap)), 1e-8);
+      assert_at_most(gap, 1e-10);
+    }
+    km_space_map_free(&map);
+    fixture_close(&f);
+  }
+  assert_true(points > 2000);
+}
+
+/* ---- A planar five-bar, as itself and otherwise. */
+
+enum { PLAIN, BALL, ROD, PARALLEL, CARDAN, KINDS };
+
+typedef struct five_bar {
+  double crank[2][2], P[2]; /* ends of the cranks, and P, as drawn */
+} five_bar;
+
+static five_bar random_five_bar(uint64_t *random) {
+  five_bar b = {.crank = {{-0.2, 0.6}, {1.2, 0.7}}, .P = {0.5, 1.15}};
+  for (int k = 0; k < 2; ++k) {
+    b.crank[0][k] += 0.2 * km_uniform(random);
+    b.crank[1][k] += 0.2 * km_uniform(random);
+    b.P[k] += 0.2 * km_uniform(random);
+  }
+  return b;
+}
+
+/* A joint with its axis along z at a place (x, y), in the frame that is turned by R. */
+static void add_joint(km_text *out, const km_rotation *R, const char *name, const char *type, const char *bodies,
+                      double x, double y) {
+  km_vec3 at = km_vec3_add(km_vec3_scale(x, R->axis[0]), km_vec3_scale(y, R->axis[1])), z = R->axis[2];
+  km_text_format(out, ", {\"name\": \"%s\", \"type\": \"%s\", \"bodies\": [%s], \"at\": [%.17g, %.17g, %.17g]", name,
+                 type, bodies, at.x, at.y, at.z);
+  if (*type == 's')
+    km_text_format(out, "}");
+  else
+    km_text_format(out, ", \"axis\": [%.17g, %.17g, %.17g]}", z.x, z.y, z.z);
+}
+
+/* BALL: a ball at P; ROD: at both ends of a rod; PARALLEL: a crank of three that stay parallel; CARDAN: a ball at
+ * both ends of one rod and at one of the other. */
+static fixture build(const five_bar *b, int kind, const km_rotation *R) {
+  km_text text = {0};
+  bool is_parallel = kind == PARALLEL;
+  double x = b->crank[0][0], y = b->crank[0][1];
+  km_text_format(
+      &text,
+      "{\"assemblies\": [{\"name\": \"a\", \"drawn\": \"assembled\", \"bodies\": [{\"name\": \"b1\"}, {\"name\": "
+      "\"b2\"}, {\"name\": \"b3\"}, {\"name\": \"b4\"}%s], \"joints\": [",
+      is_parallel ? ", {\"name\": \"bar\"}, {\"name\": \"p\"}, {\"name\": \"q\"}" : "");
+  size_t start = text.size;
+  add_joint(&text, R, "A", "revolute", "\"fixed\", \"b1\"", 0.0, 0.0);
+  add_joint(&text, R, "B", kind == CARDAN ? "spherical" : "revolute",
+            is_parallel ? "\"bar\", \"b2\"" : "\"b1\", \"b2\"", x, y);
+  add_joint(&text, R, "C", kind == PLAIN || is_parallel ? "revolute" : "spherical", "\"b2\", \"b3\"", b->P[0], b->P[1]);
+  add_joint(&text, R, "D", kind == ROD ? "spherical" : "revolute", "\"b4\", \"b3\"", b->crank[1][0], b->crank[1][1]);
+  add_joint(&text, R, "E", "revolute", "\"fixed\", \"b4\"", 1.0, 0.0);
+  if (is_parallel) {
+    add_joint(&text, R, "F", "revolute", "\"b1\", \"bar\"", x, y);
+    add_joint(&text, R, "G", "revolute", "\"fixed\", \"p\"", -0.5, -0.18);
+    add_joint(&text, R, "H", "revolute", "\"p\", \"bar\"", x - 0.5, y - 0.18);
+    add_joint(&text, R, "I", "revolute", "\"q\", \"fixed\"", -0.3, 0.1);
+    add_joint(&text, R, "J", "revolute", "\"q\", \"bar\"", x - 0.3, y + 0.1);
+  }
+  text.data[start] = ' ';
+  km_text_format(&text, "]}]}");
+  fixture f = fixture_read(text.data);
+  km_text_free(&text);
+  return f;
+}
+
+static double crank_distance(const five_bar *b, double alpha, double epsilon) {
+  const double angle[2] = {alpha, epsilon};
+  double end[2][2];
+  for (int k = 0; k < 2; ++k) {
+    double x = b->crank[k][0] - k, y = b->crank[k][1];
+    end[k][0] = k + cos(angle[k]) * x - sin(angle[k]) * y;
+    end[k][1] = sin(angle[k]) * x + cos(angle[k]) * y;
+  }
+  return hypot(end[1][0] - end[0][0], end[1][1] - end[0][1]);
+}
+
+/* The sheets are the same, with the same figures where other coordinates stand still, and on the curves the rods are in
+ * line. */
+static void balls_and_parallel_cranks_change_no_sheet(void **state) {
+  (void)state;
+  uint64_t random = 12;
+  const km_rotation upright = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  km_rotation oblique = {{{0.6, 0.0, 0.8}, {0.48, 0.8, -0.36}, {-0.64, 0.6, 0.48}}};
+  for (int trial = 0; trial < TRIALS; ++trial) {
+    five_bar b = random_five_bar(&random);
+    double rod[2] = {hypot(b.P[0] - b.crank[0][0], b.P[1] - b.crank[0][1]),
+                     hypot(b.P[0] - b.crank[1][0], b.P[1] - b.crank[1][1])};
+    fixture plain = build(&b, PLAIN, &upright);
+    km_space_map expected = map_of(&plain, 1.1, 24);
+    assert_true(expected.curve_count > 0);
+    for (int kind = BALL; kind < KINDS; ++kind) {
+      fixture f = build(&b, kind, trial % 2 ? &oblique : &upright);
+      km_space_map map = map_of(&f, 1.1, 24);
+      double ratio = f.mechanism->substructures[0].size / plain.mechanism->substructures[0].size;
+      assert_int_equal(map.sheet_count, expected.sheet_count);
+      assert_int_equal(map.curve_count, expected.curve_count);
+      assert_int_equal(km_table_rows(map.cells), km_table_rows(expected.cells));
+      for (size_t k = 0; k < km_table_rows(map.cells); ++k) {
+        double sum = 0.0;
+        for (int c = 0; c < f.mechanism->coordinate_count; ++c)
+          sum += km_table_row(map.cells, k)[2 + f.mechanism->coordinate_count + c];
+        assert_near(sum, 2.0, 1e-9); /* mobility numbers add up to the freedoms, without spins */
+      }
+      if (kind == BALL || kind == ROD) { /* the coordinates out of the plane don't move */
+        double least[2] = {HUGE_VAL, HUGE_VAL};
+        for (size_t k = 0; k < km_table_rows(map.cells); ++k) {
+          least[0] = fmin(least[0], cell(map.cells, k, "sigma.input"));
+          least[1] = fmin(least[1], cell(expected.cells, k, "sigma.input"));
+        }
+        assert_near(ratio, 1.0, 1e-12);
+        assert_near(least[0], least[1], 1e-9);
+      }
+      for (size_t k = 0; k < km_table_rows(map.curves); ++k) {
+        double d = crank_distance(&b, cell(map.curves, k, "q.A"), cell(map.curves, k, "q.E"));
+        assert_at_most(fmin(fabs(d - rod[0] - rod[1]), fabs(d - fabs(rod[0] - rod[1]))), 1e-8);
+      }
+      km_space_map_free(&map);
+      fixture_close(&f);
+    }
+    km_space_map_free(&expected);
+    fixture_close(&plain);
+  }
+}
+
+/* A path of the mechanism with balls is one of the planar mechanism: the rods never pass their line. */
+static void paths_keep_the_rods_from_their_line(void **state) {
+  (void)state;
+  const km_rotation upright = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  const five_bar b = {.crank = {{0.0, 0.6}, {1.0, 0.6}}, .P = {0.5, 1.3483314773547883}};
+  for (int kind = BALL; kind < KINDS; ++kind) {
+    fixture f = build(&b, kind, &upright);
+    const int drivers[2] = {coordinate(&f, "A"), coordinate(&f, "E")};
+    const double to[2] = {kind == PARALLEL ? 1.0 : 2.9, kind == PARALLEL ? 0.9 : -2.9};
+    const km_space_path_def def = {.drivers = drivers, .driver_count = 2, .to_drivers = to, .seed = 1};
+    km_space_path path;
+    km_error error = {0};
+    if (km_space_path_find(f.mechanism, f.state, &def, NULL, NULL, &path, &error))
+      fail_msg("%s", error.text);
+    assert_int_equal(path.outcome, KM_SPACE_PATH_FOUND);
+    size_t last = km_table_rows(path.table) - 1;
+    for (size_t k = 0; k <= last; ++k) {
+      double a = cell(path.table, k, "q.A"), e = cell(path.table, k, "q.E");
+      assert_true(crank_distance(&b, a, e) < 1.8 && crank_distance(&b, a, e) > 0.0);
+    }
+    assert_near(remainder(cell(path.table, last, "q.A") - to[0], 2.0 * M_PI), 0.0, 1e-9);
+    assert_near(remainder(cell(path.table, last, "q.E") - to[1], 2.0 * M_PI), 0.0, 1e-9);
+    km_space_path_free(&path);
+    fixture_close(&f);
+  }
+}
+
+/* ---- A platform on three cranks with rods (3-RRR), one crank held. */
+
+/* Determinant of three lines a x + b y + c = 0, a² + b² = 1: 0 where they meet in a point or are parallel. */
+static double line_determinant(const double line[3][3]) {
+  return line[0][0] * (line[1][1] * line[2][2] - line[1][2] * line[2][1]) -
+         line[0][1] * (line[1][0] * line[2][2] - line[1][2] * line[2][0]) +
+         line[0][2] * (line[1][0] * line[2][1] - line[1][1] * line[2][0]);
+}
+
+static void lines_of_the_rods_meet_on_the_curves(void **state) {
+  (void)state;
+  const double pin[3][2] = {{0.0, 0.0}, {2.0, 0.0}, {1.0, 1.8}};
+  uint64_t random = 31;
+  size_t points = 0;
+  for (int trial = 0; trial < TRIALS; ++trial) {
+    double knee[3][2] = {{-0.1, 0.6}, {1.6, -0.4}, {1.5, 1.4}}, corner[3][2] = {{0.7, 0.4}, {1.4, 0.4}, {1.0, 0.9}};
+    km_text text = {0};
+    km_text_format(&text,
+                   "{\"assemblies\": [{\"name\": \"a\", \"drawn\": \"assembled\", \"bodies\": [{\"name\": \"p\"}");
+    for (int leg = 0; leg < 3; ++leg)
+      km_text_format(&text, ", {\"name\": \"crank%d\"}, {\"name\": \"rod%d\"}", leg, leg);
+    km_text_format(&text, "], \"joints\": [");
+    for (int leg = 0; leg < 3; ++leg) {
+      for (int k = 0; k < 2; ++k) {
+        knee[leg][k] += 0.1 * km_uniform(&random);
+        corner[leg][k] += 0.1 * km_uniform(&random);
+      }
+      km_text_format(
+          &text,
+          "%s{\"name\": \"%s\", \"type\": \"revolute\", \"bodies\": [\"fixed\", \"crank%d\"], \"at\": [%.17g, %.17g]},"
+          "{\"name\": \"K%d\", \"type\": \"revolute\", \"bodies\": [\"crank%d\", \"rod%d\"], \"at\": [%.17g, %.17g]},"
+          "{\"name\": \"R%d\", \"type\": \"revolute\", \"bodies\": [\"rod%d\", \"p\"], \"at\": [%.17g, %.17g]}",
+          leg ? "," : "",
+          leg == 0   ? "A"
+          : leg == 1 ? "E"
+                     : "held",
+          leg, pin[leg][0], pin[leg][1], leg, leg, leg, knee[leg][0], knee[leg][1], leg, leg, corner[leg][0],
+          corner[leg][1]);
+    }
+    km_text_format(&text, "]}]}");
+    fixture f = fixture_read(text.data);
+    km_text_free(&text);
+    const km_hold hold = {coordinate(&f, "held"), 0.0};
+    km_assembly evidence;
+    km_state_free(f.state);
+    km_mechanism_free(f.mechanism);
+    assert_int_equal(km_mechanism_compile(f.model, &hold, 1, &f.mechanism, NULL), KM_OK);
+    assert_int_equal(km_state_create(f.mechanism, &f.state, NULL), KM_OK);
+    assert_int_equal(km_assemble(f.mechanism, f.state, &evidence, NULL), KM_OK);
+    km_space_map map = map_of(&f, 1.5, 40);
+    assert_true(map.curve_count > 0);
+    for (size_t row = 0; row < km_table_rows(map.curves); ++row, ++points) {
+      double line[3][3];
+      for (int leg = 0; leg < 3; ++leg) {
+        static const char *const driver[] = {"q.A", "q.E", "q.held"}, *const passive[] = {"q.K0", "q.K1", "q.K2"};
+        double turn = cell(map.curves, row, driver[leg]), along = turn + cell(map.curves, row, passive[leg]);
+        double kx = knee[leg][0] - pin[leg][0], ky = knee[leg][1] - pin[leg][1];
+        double rx = corner[leg][0] - knee[leg][0], ry = corner[leg][1] - knee[leg][1], length = hypot(rx, ry);
+        double x = pin[leg][0] + cos(turn) * kx - sin(turn) * ky, y = pin[leg][1] + sin(turn) * kx + cos(turn) * ky;
+        line[leg][0] = -(sin(along) * rx + cos(along) * ry) / length;
+        line[leg][1] = (cos(along) * rx - sin(along) * ry) / length;
+        line[leg][2] = -line[leg][0] * x - line[leg][1] * y;
+      }
+      assert_at_most(fabs(line_determinant((const double(*)[3])line)), 1e-8);
+    }
+    km_space_map_free(&map);
+    fixture_close(&f);
+  }
+  assert_true(points > 300);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(passive_axes_are_coplanar_on_the_curves),
+                                     cmocka_unit_test(balls_and_parallel_cranks_change_no_sheet),
+                                     cmocka_unit_test(paths_keep_the_rods_from_their_line),
+                                     cmocka_unit_test(lines_of_the_rods_meet_on_the_curves)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
