@@ -1,12 +1,16 @@
-/* Requests of kinds "modes" and "map": whole configuration spaces, without a motion (docs/theory.md 4.15, 4.19).
+/* Requests of kinds "modes", "map" and "turning": whole configuration spaces, without a motion (docs/theory.md 4.15,
+ * 4.19, 4.20).
  *
  *   modes : a row for each assembly mode with some joints locked; "max mode" and "max circuit" are their numbers
  *   map   : a row for each grid point over two drivers, on the sheet of the state. reached = 1, or 0 where the sheet
  *           doesn't come; sigma.input, sigma.output and manipulability are then 0, as at a singularity. "mean reached"
- *           is the share of the range that is free of singularities of the drivers */
+ *           is the share of the range that is free of singularities of the drivers
+ *   turning : one row, of the driver on the circuit of the state: turns = 1 if it goes fully round, else 0; range
+ *           between its dead points, a full turn if it turns, infinite if a motion without end has none */
 #include "kmech/inspect.h"
 #include "kmech/space.h"
 #include "question/question.h"
+#include "space/driver_circuit.h"
 
 #include <math.h>
 #include <string.h>
@@ -39,6 +43,13 @@ static const km_option map_options[MAP_OPTIONS] = {
      "Add the place of a point of a planar mechanism and its "
      "Jacobian's figures",
      0, 0, NULL, false},
+};
+
+enum { TURNING_JOINT, TURNING_OPTIONS };
+
+static const km_option turning_options[TURNING_OPTIONS] = {
+    {"joint", KM_OPTION_COORDINATE, "JOINT", "", "the driver of the model's analysis.sweep", "The driver, in a loop", 0,
+     0, NULL, false},
 };
 
 typedef struct kind_data {
@@ -260,13 +271,58 @@ static km_status answer_map(km_question *q, km_state *s, km_error *error) {
   return status;
 }
 
-/* A map is complete. */
+/* ---- Turning. */
+
+static bool fill_turning(const km_model *model, int driver, const km_driver_swing *swing, km_table *table) {
+  static const char *const names[] = {"step", "s", "turns", "dead_points", "low", "high", "range"};
+  const char *unit = km_model_coordinate_unit(model, driver);
+  double factor = km_model_coordinate_factor(model, driver);
+  bool is_ok = table != NULL, is_found = swing->low <= swing->high;
+  for (size_t k = 0; is_ok && k < sizeof names / sizeof *names; ++k)
+    is_ok = km_table_add_column(table, names[k], k < 4 ? "" : unit) >= 0;
+  double *row = is_ok ? km_table_add_row(table) : NULL;
+  if (!row)
+    return false;
+  row[2] = swing->turns;
+  row[3] = swing->dead_points;
+  row[4] = is_found ? swing->low / factor : nan("");
+  row[5] = is_found ? swing->high / factor : nan("");
+  row[6] = swing->turns ? 2.0 * M_PI / factor : is_found ? row[5] - row[4] : HUGE_VAL;
+  return true;
+}
+
+/* The circuit of the state, with all joints but held ones free. */
+static km_status answer_turning(km_question *q, km_state *s, km_error *error) {
+  kind_data *o = q->kind_data;
+  const km_option_value *joint = km_question_own_value(q, TURNING_JOINT);
+  int driver = joint ? joint->coordinate : km_model_sweep_coordinate(q->m->model);
+  if (driver < 0)
+    return km_fail(error, KM_USAGE, "`joint` is missing; expected the driver, a hinge or slide of a loop");
+  km_arena arena = {0};
+  km_driver_surface surface = {.m = q->m, .s = s, .frame = -1};
+  km_driver_circuit circuit;
+  km_driver_swing swing;
+  km_status status = km_driver_circuit_create(&surface, driver, &arena, &circuit, error);
+  if (!status)
+    status = km_driver_surface_begin(&surface, &arena, error);
+  if (!status)
+    status = km_driver_circuit_follow(&circuit, &swing, error);
+  if (!status) {
+    o->table = km_table_create();
+    if (!fill_turning(q->m->model, driver, &swing, o->table))
+      status = no_memory(error);
+  }
+  km_arena_free(&arena);
+  return status;
+}
+
+/* A map is complete, and so is a circuit. */
 static void end_of_map(const km_question *q, km_text *out) {
   (void)q;
   (void)out;
 }
 
-/* ---- Both. */
+/* ---- All. */
 
 static const km_table *table(const km_question *q) {
   return ((const kind_data *)q->kind_data)->table;
@@ -326,3 +382,17 @@ const km_question_class km_map_question = {.name = "map",
                                            .event_count = event_count,
                                            .event = event,
                                            .clear_result = clear_result};
+
+const km_question_class km_turning_question = {.name = "turning",
+                                               .options = turning_options,
+                                               .option_count = TURNING_OPTIONS,
+                                               .size = sizeof(kind_data),
+                                               .is_space = true,
+                                               .answer = answer_turning,
+                                               .table = table,
+                                               .planned_rows = planned_rows,
+                                               .planned_place = planned_place,
+                                               .end_reason = end_of_map,
+                                               .event_count = event_count,
+                                               .event = event,
+                                               .clear_result = clear_result};

@@ -9,29 +9,18 @@
  * dead points; from a minimum of its magnitude Newton's method leads to dead points at another p. A mode is carried
  * from step to step by minimum-norm closing with all coordinates free. */
 #include "base/arguments.h"
-#include "base/event_locator.h"
-#include "continuation/arc_motion.h"
 #include "kinematics/loop_closing.h"
 #include "kmech/continuation.h"
+#include "space/driver_circuit.h"
 #include "space/surface_curves.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_STARTS = 256 };
-static const double far_slide = 100.0;        /* displacement of a slide at infinity, sizes of the part */
-static const double longest_circuit = 2000.0; /* arc length in one sense */
-static const double most_correction = 0.3;    /* |D δ| of one step of the number: radians, sizes */
-static const double shortest_step = 1e-4;     /* shortest step of the number, a part of the range */
-static const double least_return = 5.0;       /* shortest circuit of a mechanism with spinning rods, in steps */
-static const double same_driver = 1e-6; /* distance of the driver at equal critical values: radians, length unit */
-static const double same_number = 1e-9; /* distance of equal critical values, a part of the range */
-
-/* Motion of the driver on one circuit. */
-typedef struct driver_swing {
-  double low, high; /* radians or the model's length */
-  bool turns;
-} driver_swing;
+static const double most_correction = 0.3; /* |D δ| of one step of the number: radians, sizes */
+static const double shortest_step = 1e-4;  /* shortest step of the number, a part of the range */
+static const double same_driver = 1e-6;    /* distance of the driver at equal critical values: radians, length unit */
+static const double same_number = 1e-9;    /* distance of equal critical values, a part of the range */
 
 typedef struct turning_search {
   km_driver_surface f;
@@ -39,10 +28,8 @@ typedef struct turning_search {
   const km_turning_def *def;
   km_arena arena;
   km_surface_curves *curves;
-  double *starts; /* [MOST_STARTS × saved_size] dead points of the present circuit, and configurations near others */
-  int start_count;
-  double *rates;                   /* [coordinate] */
-  double *place, *before, *sample; /* [saved_size] */
+  km_driver_circuit circuit; /* the one at the present number */
+  double *before;            /* [saved_size] */
 } turning_search;
 
 const char *km_turning_kind_name(km_turning_kind kind) {
@@ -53,121 +40,6 @@ const char *km_turning_kind_name(km_turning_kind kind) {
 /* The substructure that moves. */
 static int part_of(const turning_search *g) {
   return g->f.part[0].substructure;
-}
-
-/* ---- The circuit at one value of the number. */
-
-/* A motion whose driver's rate is sought along its arc. */
-typedef struct sampled_motion {
-  turning_search *g;
-  km_arc_motion *motion;
-} sampled_motion;
-
-/* Rate of the driver at arc length s from the present configuration; NaN where it isn't reached. */
-static double driver_rate(double s, void *context) {
-  const sampled_motion *at = context;
-  bool is_reached = km_arc_motion_sample(at->motion, s, at->g->rates);
-  km_arc_motion_restore(at->motion);
-  return is_reached ? at->g->rates[at->g->def->driver] : nan("");
-}
-
-/* Moves to the dead point between the present configuration, where the driver's rate is `after`, and the one `length`
- * before it. */
-static bool move_to_dead_point(turning_search *g, km_arc_motion *motion, double length, double before, double after) {
-  sampled_motion at = {g, motion};
-  return km_arc_motion_sample(motion, km_locate_root(driver_rate, &at, -length, 0.0, before, after), g->rates);
-}
-
-static void note_start(turning_search *g, const double *saved) {
-  if (g->start_count < MOST_STARTS)
-    memcpy(g->starts + (size_t)g->start_count++ * g->f.saved_size, saved, g->f.saved_size * sizeof *saved);
-}
-
-/* Notes the dead point of the last step. */
-static void note_dead_point(turning_search *g, km_arc_motion *motion, double length, double before, double after,
-                            driver_swing *swing) {
-  if (move_to_dead_point(g, motion, length, before, after)) {
-    double q = g->f.s->q[g->def->driver];
-    km_driver_surface_save(&g->f, g->sample);
-    note_start(g, g->sample);
-    swing->low = fmin(swing->low, q);
-    swing->high = fmax(swing->high, q);
-  }
-  km_arc_motion_restore(motion);
-}
-
-/* True if a slide of the part is so far that the motion goes to infinity. */
-static bool is_far(const turning_search *g) {
-  const km_substructure *sub = &g->f.m->substructures[part_of(g)];
-  for (int k = 0; k < sub->columns; ++k) {
-    int c = g->f.m->column_coordinate[sub->column_start + k];
-    if (km_model_coordinate_is_length(g->f.m->model, c) && fabs(g->f.s->q[c]) > far_slide * sub->size)
-      return true;
-  }
-  return false;
-}
-
-/* True if the state is back at g->place but for spins of rods, after a step of this length: half of it away at most. */
-static bool has_returned(turning_search *g, double length, double step) {
-  if (g->f.rod_count == 0 || length < least_return * step)
-    return false;
-  km_driver_surface_save(&g->f, g->before);
-  km_driver_surface_stop_spins(&g->f);
-  double distance = km_driver_surface_difference(&g->f, g->place, g->f.step);
-  km_driver_surface_restore(&g->f, g->before);
-  return distance <= 0.5 * step;
-}
-
-/* Follows a motion until it closes or ends. *is_closed: it closed. */
-static void follow_motion(turning_search *g, km_arc_motion *motion, driver_swing *swing, bool *is_closed) {
-  int d = g->def->driver;
-  double start = g->f.s->q[d], last = km_arc_motion_length(motion);
-  km_arc_motion_tangent(motion, g->rates);
-  double before = g->rates[d], earlier = before;
-  for (bool is_moving = true; is_moving && !*is_closed;) {
-    km_driver_surface_save(&g->f, g->sample);
-    is_moving = !km_arc_motion_advance(motion, km_longest_arc_step) && !is_far(g) &&
-                km_arc_motion_length(motion) < longest_circuit;
-    km_arc_motion_tangent(motion, g->rates);
-    double now = km_arc_motion_length(motion), after = g->rates[d];
-    if (before * after < 0.0)
-      note_dead_point(g, motion, now - last, before, after, swing);
-    else if (fabs(before) < fabs(after) && fabs(before) <= fabs(earlier) && before * earlier > 0.0)
-      note_start(g, g->sample);
-    *is_closed = km_arc_motion_closed(motion) || has_returned(g, now, now - last);
-    earlier = before;
-    before = after;
-    last = now;
-  }
-  double end = g->f.s->q[d];
-  if (is_far(g) && fabs(end) > far_slide * g->f.size) /* the driver itself goes to infinity */
-    end = copysign(HUGE_VAL, end);
-  if (is_far(g) || !*is_closed) {
-    swing->low = fmin(swing->low, end);
-    swing->high = fmax(swing->high, end);
-  }
-  swing->turns = *is_closed && km_coordinate_turns(g->f.m, d) && fabs(end - start) > M_PI;
-}
-
-/* Follows the circuit of the state; g->starts are then those on it. The state returns. */
-static km_status follow_circuit(turning_search *g, driver_swing *swing, km_error *error) {
-  bool is_closed = false;
-  km_status status = KM_OK;
-  *swing = (driver_swing){.low = HUGE_VAL, .high = -HUGE_VAL};
-  g->start_count = 0;
-  km_driver_surface_stop_spins(&g->f);
-  km_driver_surface_save(&g->f, g->place);
-  for (double sense = 1.0; !status && !is_closed && sense >= -1.0; sense -= 2.0) {
-    km_arc_motion *motion = NULL;
-    km_driver_surface_restore(&g->f, g->place);
-    km_state_invalidate_pivots(g->f.s, part_of(g));
-    status = km_arc_motion_create(g->f.m, g->f.s, -1, sense, true, &motion, error);
-    if (!status)
-      follow_motion(g, motion, swing, &is_closed);
-    km_arc_motion_free(motion);
-  }
-  km_driver_surface_restore(&g->f, g->place);
-  return status == KM_NO_RESULT ? KM_OK : status;
 }
 
 /* ---- The number. */
@@ -199,13 +71,13 @@ static bool walk(turning_search *g, double value) {
 
 /* Adds the curves at the state's circuit. The state returns. */
 static km_status add_curves(turning_search *g, km_error *error) {
-  driver_swing swing;
-  km_status status = follow_circuit(g, &swing, error);
-  for (int i = 0; !status && i < g->start_count; ++i)
+  km_driver_swing swing;
+  km_status status = km_driver_circuit_follow(&g->circuit, &swing, error);
+  for (int i = 0; !status && i < g->circuit.start_count; ++i)
     if (!km_surface_curves_add(g->curves, &(km_surface_curve){.kind = KM_CURVE_INPUT},
-                               g->starts + (size_t)i * g->f.saved_size, 0.0))
+                               g->circuit.starts + (size_t)i * g->f.saved_size, 0.0))
       status = km_fail(error, KM_MEMORY, "out of memory for the curves of dead points");
-  km_driver_surface_restore(&g->f, g->place);
+  km_driver_surface_restore(&g->f, g->circuit.place);
   return status;
 }
 
@@ -289,14 +161,14 @@ static int count_dead_points(const km_table *curves, double number) {
 
 /* Examines the model's circuit in the middle of an interval. */
 static km_status examine(turning_search *g, km_turning_interval *at, km_error *error) {
-  driver_swing swing;
+  km_driver_swing swing;
   double unit = g->f.m->factor[g->def->driver];
   at->low = at->high = nan("");
   at->is_assembled = walk(g, 0.5 * (at->from + at->to));
-  km_driver_surface_save(&g->f, g->place);
+  km_driver_surface_save(&g->f, g->circuit.place);
   at->is_defined = at->is_assembled || km_design_number_set(&g->number, 0.5 * (at->from + at->to));
-  km_driver_surface_restore(&g->f, g->place);
-  km_status status = at->is_assembled ? follow_circuit(g, &swing, error) : KM_OK;
+  km_driver_surface_restore(&g->f, g->circuit.place);
+  km_status status = at->is_assembled ? km_driver_circuit_follow(&g->circuit, &swing, error) : KM_OK;
   if (!status && at->is_assembled) {
     at->turns = swing.turns;
     bool is_found = swing.low <= swing.high;
@@ -322,13 +194,13 @@ static bool split_interval(turning_search *g, km_turning *out, int k, int sense)
   km_turning_interval *at = &out->intervals[k];
   double start = sense > 0 ? at->from : at->to;
   double inside = start + sense * 1e-6 * (at->to - at->from);
-  km_driver_surface_save(&g->f, g->place);
+  km_driver_surface_save(&g->f, g->circuit.place);
   if (!km_design_number_set(&g->number, inside)) {
-    km_driver_surface_restore(&g->f, g->place);
+    km_driver_surface_restore(&g->f, g->circuit.place);
     return false;
   }
   double bound = bound_of_numbers(g, inside, 0.5 * (at->from + at->to));
-  km_driver_surface_restore(&g->f, g->place);
+  km_driver_surface_restore(&g->f, g->circuit.place);
   memmove(at + 1, at, (size_t)(out->interval_count++ - k) * sizeof *at);
   at[0].to = bound;
   at[1].from = bound;
@@ -398,10 +270,7 @@ static km_status prepare(turning_search *g, const km_mechanism *m, const km_stat
   km_driver_surface *f = &g->f;
   *f = (km_driver_surface){
       .m = m, .low = {-HUGE_VAL, def->from}, .high = {HUGE_VAL, def->to}, .number = &g->number, .frame = -1};
-  km_status status = km_driver_surface_create(f, &def->driver, 1, &g->arena, error);
-  if (!status && part_of(g) < 0)
-    status = km_fail(error, KM_USAGE, "joint \"%s\" is in no loop; expected the driver of one",
-                     m->model->coordinates[def->driver].label);
+  km_status status = km_driver_circuit_create(f, def->driver, &g->arena, &g->circuit, error);
   if (!status)
     status = km_design_number_open(m, s, f->part[0].substructure, def->file, def->path, &g->number, error);
   if (status)
@@ -412,11 +281,7 @@ static km_status prepare(turning_search *g, const km_mechanism *m, const km_stat
   if (status)
     return status;
   out->curves = km_table_create();
-  g->starts = KM_ARENA_NEW(&g->arena, double, MOST_STARTS * f->saved_size);
-  g->rates = KM_ARENA_NEW(&g->arena, double, (size_t)m->coordinate_count);
-  g->place = KM_ARENA_NEW(&g->arena, double, f->saved_size);
   g->before = KM_ARENA_NEW(&g->arena, double, f->saved_size);
-  g->sample = KM_ARENA_NEW(&g->arena, double, f->saved_size);
   if (!g->arena.failed && add_columns(m, out->curves))
     g->curves = km_surface_curves_create(f, out->curves);
   return g->curves ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the curves of dead points");

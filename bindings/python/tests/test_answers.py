@@ -25,7 +25,7 @@ def test_the_version_is_the_projects():
 
 def test_every_kind_of_question_is_a_method(brake):
     assert kmech.kinds() == ["mobility", "advantage", "forces", "track", "run", "inverse", "motion",
-                             "allowance", "clearance", "modes", "map"]
+                             "allowance", "clearance", "modes", "map", "turning"]
     for kind in kmech.kinds()[:3]:
         answer = getattr(brake, kind)(range=(20, 32), steps=4)
         assert len(answer) == 5 and answer.complete
@@ -350,6 +350,8 @@ def test_spaces(source):
     """Questions about spaces: as many rows as modes, or as grid points; a five-bar's sheet doesn't come everywhere."""
     modes = kmech.load(source / "models/fourbar.json").modes()
     assert list(modes["mode"]) == [1, 2] and list(modes["circuit"]) == [1, 2] and modes.complete
+    crank = kmech.load(source / "models/fourbar.json").turning()
+    assert len(crank) == 1 and crank["turns"][0] == 1 and crank["range"][0] == pytest.approx(2 * math.pi) and crank["dead_points"][0] == 0
     found = kmech.load(source / "models/five_bar.json").map(steps=20, first_range=(-2, 2), second_range=(-2, 2))
     reached = found["reached"] == 1
     assert len(reached) == 441 and 0.5 < reached.mean() < 1
@@ -365,7 +367,7 @@ def test_space_path(source):
     assert math.cos(path.table["q.A"][-1] - 2.9) == pytest.approx(1.0) and min(path.table["sigma.input"]) == pytest.approx(path.least_margin)
     assert path.smooth and path.motion["t"][-1] == 1.0 and path.motion["q.A"][-1] == pytest.approx(path.table["q.A"][-1])
     assert mechanism.space_path({"A": 1.57, "E": -1.57}).outcome == "end"
-    with pytest.raises(kmech.UsageError, match="a driver for each freedom"):
+    with pytest.raises(kmech.UsageError, match="as many drivers as freedoms"):
         mechanism.space_path({"A": 1.0})
 
 
