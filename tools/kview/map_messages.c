@@ -20,7 +20,8 @@ static km_status add_table(const kv_call *call, const char *what, const char *no
   return status;
 }
 
-/* Message `map DRIVER DRIVER FROM TO FROM TO STEPS`: the cells over both ranges. */
+/* Message `map DRIVER DRIVER FROM TO FROM TO STEPS`: the cells over both ranges, of the sheets that are finished within
+ * the limit of time. */
 km_status kv_map(const kv_call *call, km_error *error) {
   kv_session *s = call->session;
   km_space_map_def def = {0};
@@ -39,9 +40,14 @@ km_status kv_map(const kv_call *call, km_error *error) {
                                        kv_limit_goes_on, &limit, &modes, error);
   if (!status)
     status = km_space_map_compute(s->mechanism, s->state, &def, &modes, kv_limit_goes_on, &limit, &map, error);
+  const char *note = modes.is_complete ? NULL : "There may be further sheets.";
+  if (status == KM_CANCELLED && map.cells && km_table_rows(map.cells) > 0) { /* the finished sheets */
+    note = "Sheets and curves are missing: the map took too long; state fewer steps or a smaller range.";
+    status = KM_OK;
+  }
   status = kv_limit_report(status, "the map", error);
   if (!status)
-    status = add_table(call, "map", modes.is_complete ? NULL : "There may be further sheets.", map.cells, error);
+    status = add_table(call, "map", note, map.cells, error);
   if (!status) {
     km_table_free(s->singular);
     s->singular = map.curves;

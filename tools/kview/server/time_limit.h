@@ -1,4 +1,4 @@
-/* Time limit of a page's request, because pages share a thread: longer work is cancelled without an answer. */
+/* Time limit of a page's request, because pages share a thread: longer work is cancelled. */
 #ifndef KT_KVIEW_SERVER_TIME_LIMIT_H
 #define KT_KVIEW_SERVER_TIME_LIMIT_H
 
