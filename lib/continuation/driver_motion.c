@@ -19,27 +19,6 @@
  * grow by halves, so a continuation that still advances needs fewer. */
 enum { MOST_SHORT_ATTEMPTS = 5000 };
 
-/* True if several freedoms remain on a constant-rank motion: its predictor is second-order Adams-Bashforth alone. */
-static bool has_several_constant_rank_tangents(const km_driver_motion *d) {
-  return d->c.constant_rank.is_active && d->c.constant_rank.count > 1;
-}
-
-static double longest_driver_step(const km_driver_motion *d) {
-  static const double with_several_freedoms = 0.01;
-  return has_several_constant_rank_tangents(d) ? with_several_freedoms : km_longest_step;
-}
-
-/* Returns the next step size after an accepted step of h: doubled if the predictor's error ratio permits it. Also
- * clears the mark of a turning point that the step left. */
-static double lengthen_step(km_driver_motion *d, double step, double h) {
-  if (fabs(h) > km_root_rounding && !km_continuation_is_singular(d->c.state->factor[d->c.substructure]))
-    d->current.stopped = 0.0;
-  double share = step / fabs(h), square = share * share;
-  double doubled = d->current.is_stiff ? 4.0 * square : 16.0 * (square * square);
-  bool may_grow = d->error_ratio * doubled < km_driver_motion_growth_limit;
-  return may_grow ? km_smaller(2.0 * step, longest_driver_step(d)) : step;
-}
-
 /* True if the step that leads back from an end is rejected even at the shortest length because new pivots show a
  * singular configuration. The end then lies in the other direction. */
 static bool is_blocked_on_return(const km_driver_motion *d, double remaining) {
@@ -62,7 +41,7 @@ static bool move_along_bridge(km_driver_motion *d, double target) {
 static km_attempt advance_to_target(km_driver_motion *d, double target, int *limit) {
   move_along_bridge(d, target);
   d->current.bridge = d->current.s == target ? d->current.bridge : 0;
-  double step = km_smaller(d->current.largest, longest_driver_step(d));
+  double step = km_smaller(d->current.largest, km_driver_motion_longest_step(d));
   bool may_build_bridge = true;
   d->rejections = 0;
   d->regular.s = HUGE_VAL;
@@ -72,31 +51,22 @@ static km_attempt advance_to_target(km_driver_motion *d, double target, int *lim
     if (steps == most || short_attempts == MOST_SHORT_ATTEMPTS)
       return KM_ATTEMPT_EXHAUSTED;
     double remaining = target - d->current.s;
-    bool arrives = km_driver_motion_reaches(remaining, step);
-    /* two equal steps instead of a short last one, of which the multistep predictor could use little */
-    bool splits =
-        (d->current.is_stiff || has_several_constant_rank_tangents(d)) && !arrives && fabs(remaining) < 2.0 * step;
-    double h = arrives ? remaining : splits ? 0.5 * remaining : copysign(step, remaining);
-    km_attempt result = km_driver_motion_advance(d, h, km_correction_ratio, limit);
+    km_attempt result = km_driver_motion_step_towards(d, target, &step, limit);
     if (result == KM_ATTEMPT_ACCEPTED) {
-      short_attempts = fabs(h) < km_driver_motion_short_step ? short_attempts : 0;
-      step = lengthen_step(d, step, h);
-      if (arrives) { /* s + (target - s) can differ from target by one rounding */
-        d->current.s = target;
-        km_continuation_set_driver(&d->c, target);
-      } else if (fabs(h) >
-                 /* shorter steps are close to a branch point, where the tangent mixes several motions */
-                 km_driver_motion_short_step) {
+      /* short steps are close to a branch point, where the tangent mixes several motions */
+      bool is_short = fabs(d->c.history.last_h) < km_driver_motion_short_step;
+      short_attempts = is_short ? short_attempts : 0;
+      if (d->current.s != target && !is_short)
         km_driver_motion_notify(d, d->current.s, d->c.history.t, 1);
-      }
       continue;
     }
+    double h = copysign(2.0 * step, remaining);
+    bool arrives = h == remaining;
     if (result == KM_ATTEMPT_OPEN && arrives && may_build_bridge &&
         km_singular_bridge_build(d, target, copysign(1.0, remaining), 0.0) && move_along_bridge(d, target))
       continue;
     may_build_bridge = may_build_bridge && !arrives;
     km_singular_bridge_record(d, h);
-    step = 0.5 * fabs(h);
     /* rates are large on the return from a located end */
     double least = d->current.stopped * remaining < 0.0 ? km_sum_rounding : km_exact_misfit;
     if (step >= least * fmax(1.0, fabs(d->current.s)))
@@ -111,7 +81,7 @@ static km_attempt advance_to_target(km_driver_motion *d, double target, int *lim
       return result;
     }
     d->current.stopped = -copysign(1.0, remaining); /* the end lies in the other direction */
-    step = km_smaller(d->current.largest, longest_driver_step(d));
+    step = km_smaller(d->current.largest, km_driver_motion_longest_step(d));
   }
   d->current.largest = km_larger(step, km_singular_step);
   return KM_ATTEMPT_ACCEPTED;
@@ -195,11 +165,10 @@ void km_driver_motion_begin(km_driver_motion *d, double target) {
   int limit;
   if (km_driver_motion_reaches(remaining, d->current.largest) || !(d->current.known || km_driver_motion_start(d)))
     return;
-  double step = km_smaller(d->current.largest, longest_driver_step(d));
-  double h = copysign(step, remaining);
-  if (km_driver_motion_advance(d, h, km_correction_ratio, &limit) != KM_ATTEMPT_ACCEPTED)
+  double step = km_smaller(d->current.largest, km_driver_motion_longest_step(d));
+  if (km_driver_motion_step_towards(d, goal, &step, &limit) != KM_ATTEMPT_ACCEPTED)
     return;
-  d->current.largest = fmax(lengthen_step(d, step, h), km_singular_step);
+  d->current.largest = fmax(step, km_singular_step);
   km_driver_motion_notify(d, d->current.s, d->c.history.t, 1);
 }
 

@@ -211,3 +211,40 @@ km_attempt km_driver_motion_advance(km_driver_motion *d, double h, double correc
   d->current.known = true;
   return KM_ATTEMPT_ACCEPTED;
 }
+
+/* True if several freedoms remain on a constant-rank motion: its predictor is second-order Adams-Bashforth alone. */
+static bool has_several_constant_rank_tangents(const km_driver_motion *d) {
+  return d->c.constant_rank.is_active && d->c.constant_rank.count > 1;
+}
+
+double km_driver_motion_longest_step(const km_driver_motion *d) {
+  static const double with_several_freedoms = 0.01;
+  return has_several_constant_rank_tangents(d) ? with_several_freedoms : km_longest_step;
+}
+
+/* Returns the next step size after an accepted step of h: doubled if the predictor's error ratio permits it. Also
+ * clears the mark of a turning point that the step left. */
+static double lengthen_step(km_driver_motion *d, double step, double h) {
+  if (fabs(h) > km_root_rounding && !km_continuation_is_singular(d->c.state->factor[d->c.substructure]))
+    d->current.stopped = 0.0;
+  double share = step / fabs(h), square = share * share;
+  double doubled = d->current.is_stiff ? 4.0 * square : 16.0 * (square * square);
+  bool may_grow = d->error_ratio * doubled < km_driver_motion_growth_limit;
+  return may_grow ? km_smaller(2.0 * step, km_driver_motion_longest_step(d)) : step;
+}
+
+km_attempt km_driver_motion_step_towards(km_driver_motion *d, double target, double *step, int *limit) {
+  double remaining = target - d->current.s;
+  bool arrives = km_driver_motion_reaches(remaining, *step);
+  /* two equal steps instead of a short last one, of which the multistep predictor could use little */
+  bool splits =
+      (d->current.is_stiff || has_several_constant_rank_tangents(d)) && !arrives && fabs(remaining) < 2.0 * *step;
+  double h = arrives ? remaining : splits ? 0.5 * remaining : copysign(*step, remaining);
+  km_attempt result = km_driver_motion_advance(d, h, km_correction_ratio, limit);
+  *step = result == KM_ATTEMPT_ACCEPTED ? lengthen_step(d, *step, h) : 0.5 * fabs(h);
+  if (result == KM_ATTEMPT_ACCEPTED && arrives) { /* s + (target - s) can differ from target by one rounding */
+    d->current.s = target;
+    km_continuation_set_driver(&d->c, target);
+  }
+  return result;
+}

@@ -27,6 +27,13 @@ double km_driver_step_slide_position(const km_driver_motion *drive, int column);
  * *limit is then the coordinate at its limit or the diverging slide, if any. */
 km_attempt km_driver_motion_advance(km_driver_motion *drive, double h, double correction_ratio, int *limit);
 
+/* Longest step of the driver, scaled. */
+double km_driver_motion_longest_step(const km_driver_motion *drive);
+/* Attempts a step of at most *step towards `target`, at which the last one arrives exactly. *step becomes that of the
+ * next attempt: half the step after a rejection, the same or twice as much after success, as the predictor's error
+ * permits. */
+km_attempt km_driver_motion_step_towards(km_driver_motion *drive, double target, double *step, int *limit);
+
 /* Records the present configuration as the start of a bridge, if the rejected step h is as long as the nodes around a
  * singular configuration: it is then still away from the singular one. */
 void km_singular_bridge_record(km_driver_motion *drive, double h);

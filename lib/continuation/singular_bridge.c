@@ -84,13 +84,8 @@ static bool advance_in_steps(km_driver_motion *d, double s, double most) {
   int limit = -1;
   double step = most;
   for (int i = 0; i < MOST_ATTEMPTS && step > km_relative_zero && d->current.s != s; ++i) {
-    double left = s - d->current.s, h = km_driver_motion_reaches(left, step) ? left : copysign(step, left);
-    bool is_accepted = km_driver_motion_advance(d, h, km_correction_ratio, &limit) == KM_ATTEMPT_ACCEPTED;
-    if (is_accepted && h == left) {
-      d->current.s = s;
-      km_continuation_set_driver(&d->c, s);
-    }
-    step = is_accepted ? km_smaller(2.0 * step, most) : 0.5 * fabs(h);
+    km_driver_motion_step_towards(d, s, &step, &limit);
+    step = km_smaller(step, most);
   }
   return d->current.s == s;
 }

@@ -10,7 +10,6 @@
 #include "local/local.h"
 #include "mobility/left_null_space.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /* Most rows for the dense elimination. */
@@ -245,28 +244,16 @@ static bool reserve_vector(const reduced_matrix *R, km_arena *scratch, sparse_ve
   return !scratch->failed;
 }
 
-static int ascending(const void *a, const void *b) {
-  int x = *(const int *)a, y = *(const int *)b;
-  return (x > y) - (x < y);
-}
-
-/* Lists the blocks of the rows in v, each once and ascending; many rows: by a scan of all blocks. */
+/* Lists the blocks of the rows in v, each once and ascending. */
 static int list_blocks(const reduced_matrix *R, sparse_vector *v, int rows) {
   int all = R->a->sub->loop_count + R->a->sub->coupling_count, count = 0;
-  bool many = rows > all / 16;
-  for (int i = 0; i < rows; ++i) {
-    int block = v->block_of[v->row[i]];
-    if (!v->is_met[block] && !many)
-      v->blocks[count++] = block;
-    v->is_met[block] = true;
-  }
-  for (int i = 0; i < all && many; ++i)
-    if (v->is_met[i])
+  for (int i = 0; i < rows; ++i)
+    v->is_met[v->block_of[v->row[i]]] = true;
+  for (int i = 0; i < all; ++i)
+    if (v->is_met[i]) {
       v->blocks[count++] = i;
-  if (!many)
-    qsort(v->blocks, (size_t)count, sizeof *v->blocks, ascending);
-  for (int i = 0; i < count; ++i)
-    v->is_met[v->blocks[i]] = false;
+      v->is_met[i] = false;
+    }
   return count;
 }
 
