@@ -1,5 +1,6 @@
 /* Primary rows by sparse orthogonal methods (docs/theory.md 3.6): the smallest eigenvalue of A Aᵀ proves full row rank;
  * a sparse QR of the rows finds dependent ones. */
+#include "base/number/tolerances.h"
 #include "linalg/sparse/normal_equations.h"
 #include "linalg/sparse/sparse_lu.h"
 #include "linalg/sparse/sparse_qr.h"
@@ -41,10 +42,14 @@ double km_sparse_full_gram_cost(const km_factor *p) {
   return sum;
 }
 
+bool km_sparse_gram_is_dense(const km_factor *p) {
+  return km_sparse_full_gram_cost(p) > km_significant_ratio * p->sparse->start[p->columns];
+}
+
 /* Creates the normal equations of the pattern once. */
 km_normal_equations *km_sparse_create_normal(const km_factor *p) {
   const km_sparse *s = p->sparse;
-  if (!s->normal)
+  if (!s->normal || km_sparse_gram_is_dense(p))
     return NULL;
   if (!*s->normal)
     *s->normal = km_normal_equations_create(p->rows, p->columns, s->start, s->row);

@@ -136,7 +136,7 @@ void km_sparse_factor(km_factor *p, const double *matrix, const bool *forced, do
     p->locked_count += km_factor_is_locked(p, c);
   memset(s->is_postponed, 0, (size_t)p->columns * sizeof *s->is_postponed);
   memset(s->is_excluded_row, 0, (size_t)p->rows * sizeof *s->is_excluded_row);
-  s->has_rows_only = p->options.basis == KM_BASIS_NONE;
+  s->has_rows_only = p->options.basis == KM_BASIS_NONE && !km_sparse_gram_is_dense(p);
   s->has_normal_only = s->has_rows_only && km_sparse_rows_are_independent(p, matrix, forced, tolerance);
   if (!s->has_normal_only)
     (s->has_rows_only ? find_rows : find_good_columns)(p, matrix, forced, tolerance * p->scale);

@@ -138,6 +138,8 @@ double km_sparse_current_max_b(const km_factor *partition);
 double km_sparse_gram_cost(const km_factor *partition);
 /* Σ over all columns of (entries)², over all rows. */
 double km_sparse_full_gram_cost(const km_factor *partition);
+/* True if the Gram matrix of the rows would be dense, because columns have many entries. */
+bool km_sparse_gram_is_dense(const km_factor *partition);
 /* Pseudo-random weight of magnitude 1 to 2, of either sign. */
 double km_sparse_random_weight(int index, int probe);
 /* Entries of column k of B in b_store, valid until the next column is computed. O(entries of U). */
