@@ -15,26 +15,30 @@ typedef struct km_known_configuration {
 typedef struct km_map_search {
   km_driver_surface f;
   const km_space_map_def *def;
+  km_progress progress; /* NULL: none */
+  void *context;
+  km_surface_curves *curves;
   km_arena arena;
+  int last_sheet;                 /* number of the newest sheet */
   int across, down;               /* grid points along both drivers */
   double *before;                 /* [3 · columns] start of a step */
   double *saved, *N;              /* [cell][3 · columns], [cell][2 · columns] */
   signed char *sign;              /* [cell] of det A; 0: not reached */
   km_known_configuration **known; /* [cell] those of all sheets, the present one first */
   int *queue;
-  signed char *output_sign; /* [cell] of det D; 0: no point, or on a curve */
-  double *output;           /* [cell][3] det (J; G), and its derivatives over a grid step along both drivers */
-  double *rows;             /* [cell × columns of the table] of the present sheet */
-  bool *is_written;         /* [cell] it has a row */
-  int *aspect;              /* [cell] its aspect; 0: none yet */
-  int kept_sign;            /* sign of det (J; G) that steps keep all along; 0: they needn't */
-  double *edge_N, *kept_N;  /* [2 · columns] workspace */
-  double *K;                /* [columns²] workspace */
-  int *row;                 /* [columns] workspace */
-  int aspect_count;         /* aspects of all sheets so far */
-  double curve_reach;       /* largest distance of a curve from the grid point that leads to it */
-  bool is_ended;            /* the caller's figures end the map */
-  km_state *at;             /* state for the caller's figures; NULL: none */
+  signed char *output_sign;          /* [cell] of det D; 0: no point, or on a curve */
+  double *output;                    /* [cell][3] det (J; G), and its derivatives over a grid step along both drivers */
+  double *rows;                      /* [cell × columns of the table] of the present sheet */
+  bool *is_written;                  /* [cell] it has a row */
+  int *aspect;                       /* [cell] its aspect; 0: none yet */
+  int kept_sign;                     /* sign of det (J; G) that steps keep all along; 0: they needn't */
+  double *start_N, *edge_N, *kept_N; /* [2 · columns] workspace */
+  double *K;                         /* [columns²] workspace */
+  int *row;                          /* [columns] workspace */
+  int aspect_count;                  /* aspects of all sheets so far */
+  double curve_reach;                /* largest distance of a curve from the grid point that leads to it */
+  bool is_ended;                     /* the caller's figures end the map */
+  km_state *at;                      /* state for the caller's figures; NULL: none */
   km_space_map *out;
 } km_map_search;
 

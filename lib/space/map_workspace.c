@@ -213,9 +213,9 @@ static bool allocate_pieces(km_workspace_search *w) {
   return !a->failed && w->g->out->workspaces;
 }
 
-km_status km_map_find_workspace(km_map_search *g, const km_surface_curves *curves, km_error *error) {
+km_status km_map_find_workspace(km_map_search *g, km_error *error) {
   km_workspace_search w = {.g = g, .normal = km_vec3_cross(g->f.axis[0], g->f.axis[1])};
-  w.points = km_surface_curves_points(curves, &w.point_count);
+  w.points = km_surface_curves_points(g->curves, &w.point_count);
   if (!allocate(&w))
     return no_memory(error);
   divide(&w);

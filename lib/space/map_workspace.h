@@ -32,7 +32,7 @@ typedef struct km_workspace_search {
 } km_workspace_search;
 
 /* Finds the workspace of the map's point, with the sheets and curves. */
-km_status km_map_find_workspace(km_map_search *g, const km_surface_curves *curves, km_error *error);
+km_status km_map_find_workspace(km_map_search *g, km_error *error);
 /* Finds both sides of every piece. False when out of memory. */
 bool km_piece_sides_find(km_workspace_search *w);
 

@@ -3,6 +3,7 @@
  *   predictor : dq = −A⁻¹ B du from a neighbour;   corrector: Newton's method with the drivers fixed
  *   accepted  : first correction ≤ 0.3 |dq|, and det A keeps its sign; else the step is halved */
 #include "base/arguments.h"
+#include "base/random.h"
 #include "base/table.h"
 #include "kinematics/loop_closing.h"
 #include "kinematics/loop_equations.h"
@@ -12,8 +13,10 @@
 #include <string.h>
 
 enum {
-  LEAST_CELLS = 10 /* grid points of a sheet that begins at a curve */,
-  CURVE_STRIDE = 4 /* points of a curve from one start of sheets to the next */
+  LEAST_CELLS = 10 /* grid points of a sheet that begins at a curve or at random */,
+  RANDOM_STARTS = 128,
+  CLOSING_ROUNDS = 4, /* of Newton's method, eight steps each */
+  CURVE_STRIDE = 4    /* points of a curve from one start of sheets to the next */
 };
 static const double most_correction = 0.3;   /* first correction over the predicted step */
 static const double shortest_part = 1e-3;    /* shortest step, a part of the way between grid points */
@@ -302,7 +305,7 @@ static bool visit_neighbours(km_map_search *g, int sheet, int cell, double *N, i
 }
 
 /* Adds the limits that the configuration of a neighbour exceeds. */
-static bool add_exceeded_limits(km_map_search *g, km_surface_curves *curves, int cell, int neighbour) {
+static bool add_exceeded_limits(km_map_search *g, int cell, int neighbour) {
   const km_driver_surface *f = &g->f;
   bool is_ok = true;
   for (int k = 0; is_ok && k < km_driver_surface_joints(f); ++k) {
@@ -311,13 +314,13 @@ static bool add_exceeded_limits(km_map_search *g, km_surface_curves *curves, int
            high = km_driver_surface_high(f, k);
     const km_surface_curve limit = {KM_CURVE_LIMIT, k, q > high ? high : low};
     if (q > high || q < low)
-      is_ok = km_surface_curves_add(curves, &limit, g->saved + (size_t)cell * f->saved_size, g->curve_reach);
+      is_ok = km_surface_curves_add(g->curves, &limit, g->saved + (size_t)cell * f->saved_size, g->curve_reach);
   }
   return is_ok;
 }
 
 /* Adds the limits at a cell: an end of a driver's range, for the workspace of a point, and limits of joints. */
-static bool add_limits(km_map_search *g, km_surface_curves *curves, int cell) {
+static bool add_limits(km_map_search *g, int cell) {
   const int at[2] = {cell % g->across, cell / g->across}, last[2] = {g->across - 1, g->down - 1};
   bool is_ok = true;
   for (int d = 0; is_ok && g->f.frame >= 0 && d < 2; ++d) {
@@ -325,12 +328,12 @@ static bool add_limits(km_map_search *g, km_surface_curves *curves, int cell) {
     const km_surface_curve limit = {KM_CURVE_LIMIT, g->f.control[d],
                                     (at[d] == 0 ? a->from : a->to) * g->f.m->factor[a->coordinate]};
     if ((at[d] == 0 || at[d] == last[d]) && g->is_written[cell] && axis_ends(g, d))
-      is_ok = km_surface_curves_add(curves, &limit, g->saved + (size_t)cell * g->f.saved_size, g->curve_reach);
+      is_ok = km_surface_curves_add(g->curves, &limit, g->saved + (size_t)cell * g->f.saved_size, g->curve_reach);
   }
   for (int k = 0; is_ok && g->is_written[cell] && k < 4; ++k) {
     int i = at[0] + (k == 0) - (k == 1), j = at[1] + (k == 2) - (k == 3), next = j * g->across + i;
     if (i >= 0 && j >= 0 && i <= last[0] && j <= last[1] && g->sign[next] && !g->is_written[next])
-      is_ok = add_exceeded_limits(g, curves, cell, next);
+      is_ok = add_exceeded_limits(g, cell, next);
   }
   return is_ok;
 }
@@ -345,14 +348,20 @@ static km_status not_recorded(const km_map_search *g, km_error *error) {
                      : no_memory(error);
 }
 
+/* Status where the caller goes on. */
+static km_status report(const km_map_search *g, double part, km_error *error) {
+  return g->progress && !g->progress(g->context, part)
+             ? km_fail(error, KM_CANCELLED, "stopped while the map was followed")
+             : KM_OK;
+}
+
 /* Follows one sheet from the state's configuration; it counts if it has at least `least` grid points. */
-static km_status follow_sheet(km_map_search *g, int sheet, int least, km_surface_curves *curves, double *N,
-                              km_progress progress, void *context, km_error *error) {
+static km_status follow_sheet(km_map_search *g, int sheet, int least, km_error *error) {
   const km_surface_curve input = {.kind = KM_CURVE_INPUT}, output = {.kind = KM_CURVE_OUTPUT};
   int cells = g->across * g->down, tail = 0, sign;
   memset(g->sign, 0, (size_t)cells);
   memset(g->is_written, 0, (size_t)cells * sizeof *g->is_written);
-  int first = km_map_enter_grid(g, &sign, N);
+  int first = km_map_enter_grid(g, &sign, g->start_N);
   if (first < 0 || km_map_find_known(g, first))
     return KM_OK;
   if (!record(g, sheet, first, sign, &tail))
@@ -360,21 +369,23 @@ static km_status follow_sheet(km_map_search *g, int sheet, int least, km_surface
   for (int head = 0; head < tail; ++head) {
     bool is_edge = false, is_turned = false;
     int cell = g->queue[head];
-    if (head % 256 == 0 && progress && !progress(context, (double)head / cells))
-      return km_fail(error, KM_CANCELLED, "stopped while the map was followed");
-    if (!visit_neighbours(g, sheet, cell, N, &tail, &is_edge, &is_turned))
+    km_status status = head % 256 == 0 ? report(g, (double)head / cells, error) : KM_OK;
+    if (status)
+      return status;
+    if (!visit_neighbours(g, sheet, cell, g->start_N, &tail, &is_edge, &is_turned))
       return not_recorded(g, error);
     const double *saved = g->saved + (size_t)cell * g->f.saved_size;
-    if ((is_edge && !km_surface_curves_add(curves, &input, saved, g->curve_reach)) ||
-        (is_turned && !km_surface_curves_add(curves, &output, saved, g->curve_reach)))
+    if ((is_edge && !km_surface_curves_add(g->curves, &input, saved, g->curve_reach)) ||
+        (is_turned && !km_surface_curves_add(g->curves, &output, saved, g->curve_reach)))
       return no_memory(error);
   }
   for (int i = 0; i < tail; ++i)
-    if (!add_limits(g, curves, g->queue[i]))
+    if (!add_limits(g, g->queue[i]))
       return no_memory(error);
   if (tail < least)
     return KM_OK; /* grid points at the edge of another sheet */
   ++g->out->sheet_count;
+  g->last_sheet = sheet;
   return write_sheet(g, tail) ? KM_OK : no_memory(error);
 }
 
@@ -442,12 +453,14 @@ static km_status prepare(km_map_search *g, km_error *error) {
   g->out->boundary = f->frame >= 0 ? km_table_create() : NULL;
   if (!km_map_add_columns(g))
     return no_memory(error);
+  g->curves = km_surface_curves_create(f, g->out->curves);
+  g->start_N = KM_ARENA_NEW(&g->arena, double, 2 * (size_t)f->columns);
   g->rows = KM_ARENA_NEW(&g->arena, double, cells *km_table_columns(g->out->cells));
   g->is_written = KM_ARENA_NEW(&g->arena, bool, cells);
   g->aspect = KM_ARENA_NEW(&g->arena, int, cells);
   if (def->figures)
     status = km_state_create(f->m, &g->at, error);
-  return g->arena.failed ? no_memory(error) : status;
+  return g->arena.failed || !g->curves ? no_memory(error) : status;
 }
 
 /* Closes the loops of an open configuration with all coordinates free. */
@@ -464,35 +477,63 @@ static bool close_freely(km_map_search *g) {
   return true;
 }
 
-/* Follows the sheets on both sides of the drivers' singularity curves that no mode has led to. `sheet`: the last number
- * in use. */
-static km_status follow_sheets_of_curves(km_map_search *g, km_surface_curves *curves, int sheet, double *N,
-                                         km_progress progress, void *context, km_error *error) {
+/* Follows the sheets on both sides of the drivers' singularity curves that no mode has led to. */
+static km_status follow_sheets_of_curves(km_map_search *g, km_error *error) {
   km_status status = KM_OK;
   bool is_point = true;
   for (size_t i = 0; !status && is_point; i += CURVE_STRIDE)
-    for (int side = -1; !status && side <= 1; side += 2) {
-      int before = g->out->sheet_count;
-      if (km_surface_curves_leave(curves, i, side * leaving_distance, &is_point) && close_freely(g))
-        status = follow_sheet(g, sheet + 1, LEAST_CELLS, curves, N, progress, context, error);
-      sheet += g->out->sheet_count > before;
-    }
+    for (int side = -1; !status && side <= 1; side += 2)
+      if (km_surface_curves_leave(g->curves, i, side * leaving_distance, &is_point) && close_freely(g))
+        status = follow_sheet(g, g->last_sheet + 1, LEAST_CELLS, error);
+  return status;
+}
+
+/* Closes the loops at a grid point, from other coordinates at random. */
+static bool close_at_random(km_map_search *g, int cell, uint64_t *random) {
+  km_driver_surface *f = &g->f;
+  const int at[2] = {cell % g->across, cell / g->across};
+  bool is_closed = false;
+  int sign;
+  for (int k = 0; k < f->columns; ++k)
+    f->step[k] = M_PI * km_uniform(random); /* a hinge's full turn; a slide's half turn of the size */
+  for (int d = 0; d < 2; ++d)
+    f->step[f->control[d]] = axis_value(g, d, at[d]) - scaled_value(g, d);
+  km_driver_surface_move(f, f->step);
+  for (int i = 0; i < CLOSING_ROUNDS && !is_closed; ++i)
+    is_closed = km_driver_surface_close(f, HUGE_VAL, &sign);
+  return is_closed;
+}
+
+/* Follows sheets from random configurations at random grid points, every second one without a sheet so far: those of
+ * motions that don't reach the drivers' values of the modes. `home`: a configuration. */
+static km_status follow_sheets_of_random_starts(km_map_search *g, const double *home, km_error *error) {
+  km_status status = KM_OK;
+  uint64_t random = 11;
+  for (int start = 0; !status && start < RANDOM_STARTS; ++start) {
+    int cells = g->across * g->down, cell = (int)(0.5 * (1.0 + km_uniform(&random)) * (cells - 1));
+    for (int i = 0; i < cells && start % 2 == 1 && g->known[cell]; ++i)
+      cell = (cell + 1) % cells;
+    km_driver_surface_restore(&g->f, home);
+    if (close_at_random(g, cell, &random))
+      status = follow_sheet(g, g->last_sheet + 1, LEAST_CELLS, error);
+  }
   return status;
 }
 
 /* Adds the curves that cross known ones: some are no edge of a sheet, such as a point of the drivers' plane. */
-static bool add_crossing_curves(km_surface_curves *curves) {
-  bool is_ok = true;
+static km_status add_crossing_curves(km_map_search *g, km_error *error) {
+  km_status status = KM_OK;
   size_t count;
-  km_surface_curves_points(curves, &count);
-  for (size_t i = 0; is_ok && i < count; ++i) {
-    const km_curve_point at = km_surface_curves_points(curves, &count)[i];
+  km_surface_curves_points(g->curves, &count);
+  for (size_t i = 0; !status && i < count; ++i) {
+    const km_curve_point at = km_surface_curves_points(g->curves, &count)[i];
     const km_surface_curve other = {.kind = at.crossing};
-    if (at.is_crossing && at.crossing != at.of.kind)
-      is_ok = km_surface_curves_add(curves, &other, at.saved, 0.0);
-    km_surface_curves_points(curves, &count);
+    if (!at.is_crossing || at.crossing == at.of.kind)
+      continue;
+    status = km_surface_curves_add(g->curves, &other, at.saved, 0.0) ? report(g, 1.0, error) : no_memory(error);
+    km_surface_curves_points(g->curves, &count);
   }
-  return is_ok;
+  return status;
 }
 
 /* Moves the state to a mode. */
@@ -501,29 +542,37 @@ static km_status move_to_mode(km_map_search *g, const km_all_modes *modes, int i
   return km_state_set_coordinates(m, g->f.s, modes->coordinates + (size_t)i * (size_t)m->coordinate_count, error);
 }
 
-static km_status follow_sheets(km_map_search *g, const km_all_modes *modes, km_progress progress, void *context,
-                               km_error *error) {
+/* Follows the sheets of all modes, and those that only curves and random starts lead to. */
+static km_status follow_sheets(km_map_search *g, const km_all_modes *modes, km_error *error) {
   km_driver_surface *f = &g->f;
-  km_surface_curves *curves = km_surface_curves_create(f, g->out->curves);
-  double *N = KM_ARENA_NEW(&g->arena, double, 2 * (size_t)f->columns);
-  km_status status = curves && N ? KM_OK : no_memory(error);
+  km_status status = KM_OK;
+  double *home = KM_ARENA_NEW(&g->arena, double, f->saved_size);
+  if (!home)
+    return no_memory(error);
   for (int i = 0; !status && i < modes->count; ++i) {
     status = move_to_mode(g, modes, i, error);
     if (!status) {
       km_driver_surface_restart(f);
-      status = follow_sheet(g, i + 1, 1, curves, N, progress, context, error);
+      if (i == 0)
+        km_driver_surface_save(f, home);
+      status = follow_sheet(g, i + 1, 1, error);
     }
   }
-  if (!status && modes->count > 0 && !g->def->own_sheet)
-    status = follow_sheets_of_curves(g, curves, modes->count, N, progress, context, error);
-  if (!status && !add_crossing_curves(curves))
-    status = no_memory(error);
-  g->out->curve_count = km_surface_curves_count(curves);
+  g->last_sheet = modes->count;
+  if (status || modes->count == 0 || g->def->own_sheet)
+    return status;
+  status = follow_sheets_of_random_starts(g, home, error);
+  return status ? status : follow_sheets_of_curves(g, error);
+}
+
+/* Finds sheets, curves and the workspace. */
+static km_status find(km_map_search *g, const km_all_modes *modes, km_error *error) {
+  km_status status = follow_sheets(g, modes, error);
+  if (!status)
+    status = add_crossing_curves(g, error);
+  g->out->curve_count = km_surface_curves_count(g->curves);
   g->out->aspect_count = g->aspect_count;
-  if (!status && f->frame >= 0)
-    status = km_map_find_workspace(g, curves, error);
-  km_surface_curves_free(curves);
-  return status;
+  return status || g->f.frame < 0 ? status : km_map_find_workspace(g, error);
 }
 
 km_status km_space_map_compute(const km_mechanism *m, const km_state *s, const km_space_map_def *def,
@@ -540,7 +589,11 @@ km_status km_space_map_compute(const km_mechanism *m, const km_state *s, const k
     status = check_axes(m, def, error);
   if (status)
     return status;
-  km_map_search g = {.f = {.m = m, .frame = def->has_point ? def->frame : -1}, .def = def, .out = out};
+  km_map_search g = {.f = {.m = m, .frame = def->has_point ? def->frame : -1},
+                     .def = def,
+                     .progress = progress,
+                     .context = context,
+                     .out = out};
   status = km_state_create(m, &g.f.s, error);
   if (!status) {
     km_state_copy(m, g.f.s, s);
@@ -551,7 +604,8 @@ km_status km_space_map_compute(const km_mechanism *m, const km_state *s, const k
   if (!status && modes->count > 0)
     status = km_driver_surface_begin(&g.f, &g.arena, error);
   if (!status)
-    status = follow_sheets(&g, modes, progress, context, error);
+    status = find(&g, modes, error);
+  km_surface_curves_free(g.curves);
   km_arena_free(&g.arena);
   km_state_free(g.f.s);
   km_state_free(g.at);

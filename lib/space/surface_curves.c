@@ -25,6 +25,7 @@ enum { MOST_NEWTON = 12, MOST_POINTS = 20000 };
 static const double difference = 1e-6;   /* step of the central differences: rounding 1e-10, their error 1e-12 */
 static const double longest_step = 0.02; /* step of (q, z) */
 static const double shortest_step = 1e-7;
+static const double at_end = 1e-9;       /* margin of a start at an end, such as a corner of the ranges */
 static const double least_length = 1e-4; /* a shorter curve without ends is a crossing of others: one q for all z */
 static const double most_interpolation_error = 1e-9;
 static const double converged = 3e-7;          /* last correction: the one after it, about its square, is rounding */
@@ -457,6 +458,8 @@ static bool follow(km_surface_curves *v, bool *is_closed, double *length) {
   save_point(v, &v->from);
   save_point(v, &v->start);
   update_values(v, v->from.value);
+  if (fabs(v->from.value[MARGIN]) <= at_end)
+    v->from.value[MARGIN] = 0.0;
   for (int i = 0; i < MOST_POINTS && h >= shortest_step;) {
     double first = 0.0;
     if (!step(v, h, &first) || interpolation_error(h, first) > most_interpolation_error) {
@@ -622,7 +625,7 @@ bool km_surface_curves_add(km_surface_curves *v, const km_surface_curve *of, con
   km_driver_surface *f = v->f;
   choose(v, of);
   km_driver_surface_restore(f, saved);
-  if (is_known(v, reach + longest_step) || !move_to_curve(v) || function_value(v, MARGIN) < 0.0 || is_on_known(v))
+  if (is_known(v, reach + longest_step) || !move_to_curve(v) || function_value(v, MARGIN) < -at_end || is_on_known(v))
     return true;
   ++v->count;
   v->row_count = 0;
