@@ -488,10 +488,15 @@ static bool is_further_column(const km_driver_surface *f, int column) {
   return ball >= 0 && c != f->m->ball_coordinate[ball];
 }
 
+/* −1 for a strut drawn through itself: the limits are those of its length |q|. */
+static double strut_sense(const km_driver_surface *f, int c) {
+  return f->m->model->coordinates[c].is_strut && f->s->q[c] < 0.0 ? -1.0 : 1.0;
+}
+
 double km_driver_surface_limited_value(const km_driver_surface *f, int column) {
   int c = km_driver_surface_coordinate(f, column);
   if (f->m->ball_of[c] < 0)
-    return f->s->q[c];
+    return strut_sense(f, c) * f->s->q[c];
   return is_further_column(f, column) ? 0.0 : km_norm(&f->s->q[c], 3);
 }
 
@@ -499,7 +504,7 @@ void km_driver_surface_add_limited_row(const km_driver_surface *f, int column, d
   int c = km_driver_surface_coordinate(f, column);
   double angle = km_norm(&f->s->q[c], f->m->ball_of[c] < 0 ? 0 : 3);
   if (f->m->ball_of[c] < 0)
-    row[column] += 1.0;
+    row[column] += strut_sense(f, c);
   for (int k = 0; k < 3 && angle > 0.0; ++k) /* the axis is the same in both frames */
     row[column + k] += f->s->q[c + k] / angle;
 }

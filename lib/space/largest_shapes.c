@@ -201,7 +201,8 @@ bool km_largest_rectangle(const km_curve_net *net, const int *jump, km_arena *ar
     for (int x = 0; x < RASTER; ++x) {
       const double place[2] = {first[0] + (x + 0.5) * cell[0], first[1] + (y + 0.5) * cell[1]};
       bool *at = &taken[y * RASTER + x];
-      *at = *at || (x > 0 && !taken[y * RASTER + x - 1] ? false : km_curve_net_count(net, jump, place) <= 0);
+      bool is_beside_free = x > 0 && !taken[y * RASTER + x - 1]; /* no curve between the two: inside as well */
+      *at = *at || (!is_beside_free && km_curve_net_count(net, jump, place) <= 0);
     }
   int from[2] = {0, 0}, to[2] = {0, 0};
   largest_of_raster(taken, cell, from, to);

@@ -21,8 +21,8 @@ typedef struct km_map_search {
   km_arena arena;
   int last_sheet;                 /* number of the newest sheet */
   int across, down;               /* grid points along both drivers */
-  double *before;                 /* [3 · columns] start of a step */
-  double *saved, *N;              /* [cell][3 · columns], [cell][2 · columns] */
+  double *before;                 /* [saved_size] start of a step */
+  double *saved, *N;              /* [cell][saved_size], [cell][2 · columns] */
   signed char *sign;              /* [cell] of det A; 0: not reached */
   km_known_configuration **known; /* [cell] those of all sheets, the present one first */
   int *queue;
@@ -42,6 +42,8 @@ typedef struct km_map_search {
   km_space_map *out;
 } km_map_search;
 
+/* Reports `part` of a sheet as done. KM_CANCELLED: the caller ends the map. */
+km_status km_map_report(const km_map_search *g, double part, km_error *error);
 /* Moves the state from a configuration to the grid point nearest to it. *sign: that of det A; N: workspace for the
  * tangents. Returns the cell; −1: it isn't reached. */
 int km_map_enter_grid(km_map_search *g, int *sign, double *N);

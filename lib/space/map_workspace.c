@@ -112,19 +112,18 @@ static bool write_part(km_workspace_search *w, const km_outline_part *part, bool
   return is_ok && (!is_last || add_boundary_row(w, part, part->to));
 }
 
-/* Grid points, of at most MOST_CHECKED, whose place isn't within the outline, nor on it. */
-static int count_unbounded(km_workspace_search *w) {
+/* Counts the grid points, of at most MOST_CHECKED, whose place isn't within the outline, nor on it. */
+static void check_grid_points(km_workspace_search *w) {
   const km_driver_surface *f = &w->g->f;
   const km_table *t = w->g->out->cells;
   size_t rows = km_table_rows(t), column = km_table_span(t, "point.").first, stride = 1 + rows / MOST_CHECKED;
-  int count = 0;
   for (size_t i = 0; i < rows; i += stride) {
     km_vec3 at = km_vec3_from_array(km_table_row(t, i) + column);
     const double place[2] = {km_vec3_dot(at, f->axis[0]), km_vec3_dot(at, f->axis[1])};
-    count += km_curve_net_count(&w->net, w->jump, place) <= 0 &&
-             km_curve_net_distance(&w->net, w->jump, place) > edge_share * w->net.size;
+    ++w->g->out->checked;
+    w->g->out->unbounded += km_curve_net_count(&w->net, w->jump, place) <= 0 &&
+                            km_curve_net_distance(&w->net, w->jump, place) > edge_share * w->net.size;
   }
-  return count;
 }
 
 static km_status find_whole(km_workspace_search *w, km_error *error) {
@@ -137,7 +136,7 @@ static km_status find_whole(km_workspace_search *w, km_error *error) {
       isfinite(outline.gap) && (outline.part_count > 0 || km_table_rows(out->cells) == 0) ? outline.area : nan("");
   out->gap = outline.gap;
   out->hole_count = outline.hole_count;
-  out->unbounded = count_unbounded(w);
+  check_grid_points(w);
   for (int i = 0; i < outline.part_count; ++i) {
     bool is_last = i + 1 == outline.part_count || outline.parts[i + 1].loop != outline.parts[i].loop;
     if (!write_part(w, &outline.parts[i], is_last))
@@ -228,6 +227,8 @@ km_status km_map_find_workspace(km_map_search *g, km_error *error) {
   for (int i = 0; !status && i < g->out->workspace_count; ++i) {
     g->out->workspaces[i] = (km_aspect_workspace){.aspect = i + 1};
     status = find_in_aspect(&w, &g->out->workspaces[i], error);
+    if (!status)
+      status = km_map_report(g, 1.0, error);
   }
   return status;
 }

@@ -7,7 +7,7 @@
 
 /* One side of a piece. */
 typedef struct km_piece_side {
-  int jump;     /* what the side adds to N on the left of the curve's image: 1, −1; 0: outside the ranges */
+  int jump;     /* change of N by the side on the left of the curve's image: 1, −1; 0: outside the ranges */
   int aspect;   /* 0: not found */
   int signs[2]; /* signs of det A and det (J; G); 0: not found */
 } km_piece_side;

@@ -1,4 +1,4 @@
-/* Outlines of plane regions, the largest circle and rectangle in them (space/outline.h).
+/* Outlines of plane regions (space/outline.h).
  *
  *   part   : between two cuts; on the outline if N at its middle is positive on one side only
  *   loop   : each part continues with the leftmost one that begins at its end

@@ -82,8 +82,8 @@ bool km_curve_net_create(km_curve_net *net, const km_outline_point *points, cons
 void km_curve_net_place(const km_curve_net *net, int piece, double at, double *place, double *rate);
 /* N(p) with jump[piece], what N is on the left of the curve more than on its right. O(segments). */
 int km_curve_net_count(const km_curve_net *net, const int *jump, const double *place);
-/* Distance of a place from a segment, at the foot u of the perpendicular; infinity where that is beyond the ends, or the
- * place not `within` this distance of the segment's box. */
+/* Distance of a place from a segment, at the foot u of the perpendicular; infinity where that is beyond the ends, or
+ * the place not `within` this distance of the segment's box. */
 double km_segment_distance(const km_outline_segment *s, const double *place, double within, double *u);
 /* Distance of a place from the curves with a jump, to 1e-6 of the extent. O(segments). */
 double km_curve_net_distance(const km_curve_net *net, const int *jump, const double *place);

@@ -109,8 +109,8 @@ static int find_aspect(km_workspace_search *w, const km_curve_point *p, int side
   return 0;
 }
 
-/* Fills w->sample with the configuration at a part of a piece, between two of its points: the Hermite interpolant, whose
- * error is of fourth order in their distance. */
+/* Fills w->sample with the configuration at a part of a piece, between two of its points: the Hermite interpolant,
+ * whose error is of fourth order in their distance. */
 static void sample_piece(km_workspace_search *w, const km_outline_piece *piece, double part) {
   km_driver_surface *f = &w->g->f;
   double at = part * (double)(piece->count - 1), u = at - floor(at), rate;

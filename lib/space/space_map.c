@@ -15,7 +15,7 @@
 enum {
   LEAST_CELLS = 10 /* grid points of a sheet that begins at a curve or at random */,
   RANDOM_STARTS = 128,
-  CLOSING_ROUNDS = 4, /* of Newton's method, eight steps each */
+  CLOSING_ROUNDS = 4, /* eight steps of Newton's method each */
   CURVE_STRIDE = 4    /* points of a curve from one start of sheets to the next */
 };
 static const double most_correction = 0.3;   /* first correction over the predicted step */
@@ -66,8 +66,8 @@ static double output_determinant(km_map_search *g, const double *N, const double
   return D;
 }
 
-/* True if the cubic with this value and derivative at the start (or end, with the derivative's other sign) of a step has
- * the first (last) two Bernstein coefficients of this sign. Four of them: it has no root in the step. */
+/* True if the cubic with this value and derivative at the start (or end, with the derivative's other sign) of a step
+ * has the first (last) two Bernstein coefficients of this sign. Four of them: it has no root in the step. */
 static bool has_sign(double sign, double value, double rate) {
   return sign * value > 0.0 && sign * (value + rate / 3.0) > 0.0;
 }
@@ -139,6 +139,13 @@ static bool reach(km_map_search *g, int from, int cell, double *N) {
   return move_to(g, target, N, g->sign[from]);
 }
 
+/* One of the four neighbours of a cell; −1: the grid ends there. */
+static int neighbour(const km_map_search *g, int cell, int k) {
+  static const int side[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
+  int i = cell % g->across + side[k][0], j = cell / g->across + side[k][1];
+  return i < 0 || j < 0 || i >= g->across || j >= g->down ? -1 : j * g->across + i;
+}
+
 /* True if the range of an axis ends: it isn't a full turn of a hinge. */
 static bool axis_ends(const km_map_search *g, int axis) {
   const km_space_axis *a = &g->def->axis[axis];
@@ -160,8 +167,8 @@ static int across_seam(km_map_search *g, int cell, int axis) {
                                                                                                                : -1;
 }
 
-/* True if the step between two neighbours keeps the sign of det (J; G). Where the cubic over the step doesn't show it, the
- * step is followed: two curves may cross one, where they cross each other. */
+/* True if the step between two neighbours keeps the sign of det (J; G). Where the cubic over the step doesn't show it,
+ * the step is followed: two curves may cross one, where they cross each other. */
 static bool is_one_aspect(km_map_search *g, int cell, int next) {
   if (!g->is_written[next] || g->output_sign[next] != g->output_sign[cell])
     return false;
@@ -186,15 +193,14 @@ static bool is_one_aspect(km_map_search *g, int cell, int next) {
 /* Numbers the aspect of a cell: all cells that steps of the grid connect without a singularity of the drivers or of the
  * output. `stack`[cell] is workspace. */
 static void number_aspect(km_map_search *g, int first, int *stack) {
-  const int side[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
   int size = 0;
   g->aspect[first] = ++g->aspect_count;
   stack[size++] = first;
   while (size > 0) {
     int cell = stack[--size];
     for (int k = 0; k < 4; ++k) {
-      int i = cell % g->across + side[k][0], j = cell / g->across + side[k][1], next = j * g->across + i;
-      if (i < 0 || j < 0 || i >= g->across || j >= g->down || g->aspect[next] || !is_one_aspect(g, cell, next))
+      int next = neighbour(g, cell, k);
+      if (next < 0 || g->aspect[next] || !is_one_aspect(g, cell, next))
         continue;
       g->aspect[next] = g->aspect_count;
       stack[size++] = next;
@@ -290,10 +296,9 @@ int km_map_enter_grid(km_map_search *g, int *sign, double *N) {
  * there. */
 static bool visit_neighbours(km_map_search *g, int sheet, int cell, double *N, int *tail, bool *is_edge,
                              bool *is_turned) {
-  const int side[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
   for (int k = 0; k < 4; ++k) {
-    int i = cell % g->across + side[k][0], j = cell / g->across + side[k][1], next = j * g->across + i;
-    if (i < 0 || j < 0 || i >= g->across || j >= g->down)
+    int next = neighbour(g, cell, k);
+    if (next < 0)
       continue;
     if (!g->sign[next] && !reach(g, cell, next, N))
       *is_edge = true;
@@ -331,8 +336,8 @@ static bool add_limits(km_map_search *g, int cell) {
       is_ok = km_surface_curves_add(g->curves, &limit, g->saved + (size_t)cell * g->f.saved_size, g->curve_reach);
   }
   for (int k = 0; is_ok && g->is_written[cell] && k < 4; ++k) {
-    int i = at[0] + (k == 0) - (k == 1), j = at[1] + (k == 2) - (k == 3), next = j * g->across + i;
-    if (i >= 0 && j >= 0 && i <= last[0] && j <= last[1] && g->sign[next] && !g->is_written[next])
+    int next = neighbour(g, cell, k);
+    if (next >= 0 && g->sign[next] && !g->is_written[next])
       is_ok = add_exceeded_limits(g, cell, next);
   }
   return is_ok;
@@ -348,8 +353,7 @@ static km_status not_recorded(const km_map_search *g, km_error *error) {
                      : no_memory(error);
 }
 
-/* Status where the caller goes on. */
-static km_status report(const km_map_search *g, double part, km_error *error) {
+km_status km_map_report(const km_map_search *g, double part, km_error *error) {
   return g->progress && !g->progress(g->context, part)
              ? km_fail(error, KM_CANCELLED, "stopped while the map was followed")
              : KM_OK;
@@ -369,7 +373,7 @@ static km_status follow_sheet(km_map_search *g, int sheet, int least, km_error *
   for (int head = 0; head < tail; ++head) {
     bool is_edge = false, is_turned = false;
     int cell = g->queue[head];
-    km_status status = head % 256 == 0 ? report(g, (double)head / cells, error) : KM_OK;
+    km_status status = head % 256 == 0 ? km_map_report(g, (double)head / cells, error) : KM_OK;
     if (status)
       return status;
     if (!visit_neighbours(g, sheet, cell, g->start_N, &tail, &is_edge, &is_turned))
@@ -501,6 +505,8 @@ static bool close_at_random(km_map_search *g, int cell, uint64_t *random) {
   km_driver_surface_move(f, f->step);
   for (int i = 0; i < CLOSING_ROUNDS && !is_closed; ++i)
     is_closed = km_driver_surface_close(f, HUGE_VAL, &sign);
+  if (is_closed)
+    km_driver_surface_restart(f);
   return is_closed;
 }
 
@@ -530,7 +536,7 @@ static km_status add_crossing_curves(km_map_search *g, km_error *error) {
     const km_surface_curve other = {.kind = at.crossing};
     if (!at.is_crossing || at.crossing == at.of.kind)
       continue;
-    status = km_surface_curves_add(g->curves, &other, at.saved, 0.0) ? report(g, 1.0, error) : no_memory(error);
+    status = km_surface_curves_add(g->curves, &other, at.saved, 0.0) ? km_map_report(g, 1.0, error) : no_memory(error);
     km_surface_curves_points(g->curves, &count);
   }
   return status;

@@ -440,7 +440,7 @@ static bool add_roots(km_surface_curves *v, const curve_root *roots, int count, 
   return is_ok;
 }
 
-/* Error of the Hermite interpolant of a step h, h⁴ κ³ / 384 on a circle; the first correction is that circle's, κ h² / 2. */
+/* Error of the Hermite interpolant of a step h: h⁴ κ³ / 384 on a circle, whose first correction is κ h² / 2. */
 static double interpolation_error(double h, double first) {
   return 8.0 * first * first * first / (384.0 * h * h);
 }

@@ -7,7 +7,7 @@
 #include "model/model.h"
 #include "spatial/rotation.h"
 
-enum { TRIALS = 4 };
+enum { TRIALS = 4, MOST_SHEETS = 8 };
 
 static int coordinate(const fixture *f, const char *label) {
   int c;
@@ -93,16 +93,23 @@ static void passive_axes_are_coplanar_on_the_curves(void **state) {
     fixture f = spherical_five_bar(&random, axis, trial % 2);
     km_space_map map = map_of(&f, 2.0, 30);
     double gap;
-    assert_int_equal(map.sheet_count, 2);
-    double first[3] = {0.0};
+    assert_in_range(map.sheet_count, 2, MOST_SHEETS); /* two of each region of the drivers' plane */
+    assert_int_equal(map.sheet_count % 2, 0);
+    double first[MOST_SHEETS + 1] = {0.0};
+    int at_point[31][31] = {{0}}, sheets[2] = {0, 0};
     for (size_t k = 0; k < km_table_rows(map.cells); ++k) {
       int sheet = (int)cell(map.cells, k, "sheet");
       double product = passive_product(axis, map.cells, k, &gap);
       assert_at_most(gap, 1e-10);
       first[sheet] = first[sheet] == 0.0 ? product : first[sheet];
       assert_true(product * first[sheet] > 0.0);
+      ++at_point[lround((cell(map.cells, k, "q.A") + 2.0) * 7.5)][lround((cell(map.cells, k, "q.E") + 2.0) * 7.5)];
     }
-    assert_true(first[1] * first[2] < 0.0);
+    for (int i = 0; i < 31 * 31; ++i)
+      assert_true(at_point[i / 31][i % 31] == 0 || at_point[i / 31][i % 31] == 2);
+    for (int sheet = 1; sheet <= map.sheet_count; ++sheet)
+      ++sheets[first[sheet] > 0.0];
+    assert_int_equal(sheets[0], sheets[1]);
     for (size_t k = 0; k < km_table_rows(map.curves); ++k, ++points) {
       assert_at_most(fabs(passive_product(axis, map.curves, k, &gap)), 1e-8);
       assert_at_most(gap, 1e-10);

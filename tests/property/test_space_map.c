@@ -342,7 +342,7 @@ static void workspace_has_inverse_solutions(void **state) {
     check_outline(&b, low, high, &map);
     assert_int_equal(map.unbounded, 0);
     assert_near(map.workspace_area, area, 1e-2);
-    assert_near(aspects, sum, 1e-2 + 3e-3 * sum); /* of the lines */
+    assert_near(aspects, sum, 1e-2 + 3e-3 * sum);
     km_space_map_free(&map);
     km_all_modes_free(&modes);
     fixture_close(&f);

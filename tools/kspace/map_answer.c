@@ -80,8 +80,10 @@ static void print_workspace(const km_model *model, const km_space_map_def *def, 
   if (map->gap > 0.0 && isfinite(map->gap))
     km_text_format(out, "  its outline has a gap of %.3g %s, closed by a straight line\n", map->gap, length);
   if (map->unbounded > 0)
-    km_text_format(out, "  %d grid points lie outside the outline: a curve is missing, which more --steps may find\n",
-                   map->unbounded);
+    km_text_format(
+        out,
+        "  %d of %d checked grid points lie outside the outline: a curve is missing, which more --steps may find\n",
+        map->unbounded, map->checked);
 }
 
 void kspace_print_map(const km_model *model, const char *file, const km_space_map_def *def, const km_all_modes *modes,
@@ -136,6 +138,7 @@ static void add_workspace(const km_space_map_def *def, const km_space_map *map, 
   km_value_number(arena, workspace, "holes", map->hole_count);
   km_value_number(arena, workspace, "gap", map->gap);
   km_value_number(arena, workspace, "outside", map->unbounded);
+  km_value_number(arena, workspace, "checked", map->checked);
   km_value *aspects = km_value_add(arena, workspace, "aspects", KM_LIST);
   for (int i = 0; i < map->workspace_count && !arena->failed; ++i)
     add_aspect(&map->workspaces[i], aspects, arena);

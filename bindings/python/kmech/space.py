@@ -88,13 +88,14 @@ class AspectWorkspace(NamedTuple):
 
 class Workspace(NamedTuple):
     """The workspace of a map's point. outline: loop, kind, curve and place of its points, the workspace on the left. gap: longest gap
-    that a straight line closes. outside: grid points beyond the outline, 0 unless a curve is missing. aspects: one by one."""
+    that a straight line closes. outside: of `checked` grid points those beyond the outline, 0 unless a curve is missing. aspects: one by one."""
 
     outline: Table
     area: float
     holes: int
     gap: float
     outside: int
+    checked: int
     aspects: Tuple[AspectWorkspace, ...]
 
 
@@ -115,7 +116,8 @@ class SpaceMap(NamedTuple):
 def _workspace(found: Any) -> Workspace:
     aspects = tuple(AspectWorkspace(at.aspect, at.area, tuple(at.circle), at.radius, tuple(at.rectangle), at.width, at.height)
                     for at in found.workspaces[0:found.workspace_count])
-    return Workspace(table_of(found.boundary, found), found.workspace_area, found.hole_count, found.gap, found.unbounded, aspects)
+    return Workspace(table_of(found.boundary, found), found.workspace_area, found.hole_count, found.gap, found.unbounded, found.checked,
+                     aspects)
 
 
 def space_map(mechanism: Mechanism, state: State, over: Mapping[str, Tuple[float, float, int]],

@@ -178,9 +178,11 @@ typedef struct km_space_map {
                      * coordinate, sigma.input, sigma.closure, with a point its x y z, sigma.output and manipulability,
                      * then the figures: a row for each grid point that a sheet reaches */
   km_table *curves; /* curve (number), kind (km_curve_kind), q. of every coordinate, with a point its x y z: points
-                     * of singularity curves from end to end, or around a closed curve to its first point */
-  int sheet_count;  /* modes whose sheet has grid points */
-  int aspect_count; /* parts of the sheets that steps of the grid connect without a singularity of drivers or point */
+                     * of singularity curves, ends of ranges and limits from end to end, or around a closed curve to its
+                     * first point */
+  int sheet_count;  /* sheets with grid points: of modes, and of motions that only curves or random starts lead to */
+  int aspect_count; /* parts of the sheets within which the drivers lead from each grid point to each other one without
+                     * a singularity of drivers or point */
   int curve_count;  /* number of curves */
   km_table *boundary;    /* loop (number), kind (km_curve_kind), curve, x y z of the point: the outline of the workspace
                         * loop by loop, the workspace on the left; NULL: no point */
@@ -188,6 +190,7 @@ typedef struct km_space_map {
   double workspace_area; /* area of the places that the point reaches; NaN: an outline doesn't close */
   double gap;    /* longest gap of the outline, where a curve is missing and a straight line closes it; 0: none */
   int unbounded; /* grid points whose place lies outside the outline: 0 unless a curve is missing */
+  int checked;   /* grid points of which that was checked, at most 2 000 */
   km_aspect_workspace *workspaces; /* [workspace_count] by aspect */
   int workspace_count;             /* aspects; 0: no point */
 } km_space_map;
@@ -205,7 +208,8 @@ KM_API km_status km_map_modes_find(const km_mechanism *mechanism, const km_state
  * columns of the other coordinates. sigma.input and sigma.closure are the smallest singular values of A and of J,
  * sigma.output and manipulability the smallest singular value and the product of both of the point's Jacobian G by the
  * drivers; lengths over the substructure's size. The curves det A = 0 that bound the sheets, and det G = 0 on them, are
- * followed by continuation, each point to 1e-11. The first mode is closed. Rods between two ball joints don't spin.
+ * followed by continuation, each point to 1e-11; with a point also the ends of ranges, and its workspace is found. The
+ * first mode is closed. Rods between two ball joints don't spin.
  * KM_USAGE: an axis is invalid or a ball joint's, the parts have not two freedoms beside such spins, or a point of a
  * mechanism that isn't planar; KM_MEMORY; KM_CANCELLED. Free `*out` in any case. O(cells · rank³). */
 KM_API km_status km_space_map_compute(const km_mechanism *mechanism, const km_state *state, const km_space_map_def *def,
