@@ -84,8 +84,9 @@ static bool advance_in_steps(km_driver_motion *d, double s, double most) {
   int limit = -1;
   double step = most;
   for (int i = 0; i < MOST_ATTEMPTS && step > km_relative_zero && d->current.s != s; ++i) {
-    km_driver_motion_step_towards(d, s, &step, &limit);
-    step = km_smaller(step, most);
+    double doubled = 2.0 * step;
+    if (km_driver_motion_step_towards(d, s, &step, &limit) == KM_ATTEMPT_ACCEPTED)
+      step = km_smaller(doubled, most);
   }
   return d->current.s == s;
 }
