@@ -124,7 +124,7 @@ km_status km_driver_surface_create(km_driver_surface *f, const int *drivers, int
   const km_surface_part *last = &f->part[f->part_count - 1];
   f->columns = last->column_start + last->columns + (f->number != NULL);
   f->rows = f->columns - f->control_count;
-  f->saved_size = KM_SAVED_PER_COLUMN * (size_t)f->columns + 2; /* the choice of rows and the number are the last two */
+  f->saved_size = KM_SAVED_PER_COLUMN * (size_t)f->columns; /* the last two, which km_state_save leaves: rows, number */
   f->other = KM_ARENA_NEW(arena, int, (size_t)f->rows + 1);
   f->wraps = KM_ARENA_NEW(arena, bool, (size_t)f->columns);
   f->step = KM_ARENA_NEW(arena, double, (size_t)f->columns);
@@ -210,10 +210,10 @@ static km_status check_freedoms(km_driver_surface *f, km_error *error) {
 
 static bool allocate(km_driver_surface *f, km_arena *arena) {
   size_t n = (size_t)f->columns, r = (size_t)f->rows, all = (size_t)f->conditions, most = all > r ? all : r;
-  f->J = KM_ARENA_NEW(arena, double, n *r + 1);
-  f->e = KM_ARENA_NEW(arena, double, r + 1);
   f->all_J = KM_ARENA_NEW(arena, double, n *all + 1);
   f->all_e = KM_ARENA_NEW(arena, double, all + 1);
+  f->J = all == r ? f->all_J : KM_ARENA_NEW(arena, double, n *r + 1);
+  f->e = all == r ? f->all_e : KM_ARENA_NEW(arena, double, r + 1);
   f->part_J = KM_ARENA_NEW(arena, double, n *most + 1);
   f->A = KM_ARENA_NEW(arena, double, r *r + 1);
   f->row = KM_ARENA_NEW(arena, int, r + 1);

@@ -41,12 +41,12 @@ typedef struct km_driver_surface {
   bool keeps_limits;                               /* joint limits bound curves too */
   km_design_number *number;                        /* the last control; NULL: a driver */
   int *other;                                      /* [rows] the other columns */
-  double *J;               /* [rows × columns], column-major; the number's column isn't updated */
-  double *e;               /* [rows] closure errors */
-  double *all_J;           /* [conditions × columns] of all conditions */
-  double *all_e;           /* [conditions] */
-  double gap;              /* largest magnitude of all_e */
-  double *part_J;          /* [conditions × columns] workspace */
+  double *J;      /* [rows × columns], column-major; the number's column isn't updated. All conditions: all_J */
+  double *e;      /* [rows] closure errors. All conditions: all_e */
+  double *all_J;  /* [conditions × columns] of all conditions */
+  double *all_e;  /* [conditions] */
+  double gap;     /* largest magnitude of all_e */
+  double *part_J; /* [conditions × columns] workspace */
   km_primary_rows primary; /* rows of J and e among all conditions */
   double *A;               /* [rows × rows], by rows: factors after km_driver_surface_factor */
   int *row;

@@ -156,6 +156,8 @@ bool km_primary_rows_exchange(km_primary_rows *p, const double *J_all, bool *is_
 
 void km_primary_rows_take(const km_primary_rows *p, const double *A_all, int columns, double *A) {
   const km_row_choice *choice = &p->choices[p->present];
+  if (A == A_all)
+    return;
   for (int k = 0; k < columns; ++k)
     for (int i = 0; i < p->rows; ++i)
       A[k * p->rows + i] = A_all[k * p->all + choice->row[i]];

@@ -36,7 +36,8 @@ bool km_primary_rows_choose(km_primary_rows *p, const double *J_all);
 /* Exchanges rows until |W_ij| ≤ 2. *is_changed: some were. False where the primary rows depend on each other; the
  * choice is then the same, as when out of memory. */
 bool km_primary_rows_exchange(km_primary_rows *p, const double *J_all, bool *is_changed);
-/* Copies the primary rows of A_all[all × columns] to A[rows × columns]. */
+/* Copies the primary rows of A_all[all × columns] to A[rows × columns]. With all of them A may be A_all: nothing is
+ * done. */
 void km_primary_rows_take(const km_primary_rows *p, const double *A_all, int columns, double *A);
 
 #endif
