@@ -125,6 +125,21 @@ static void follow_motion(km_driver_circuit *g, km_arc_motion *motion, km_driver
   swing->turns = *is_closed && km_coordinate_turns(g->f->m, d) && fabs(end - start) > M_PI;
 }
 
+/* The hinge or slide of the part with the largest mobility number, the first one of those that are equal to rounding:
+ * coordinates of ball joints may have that of a rod's spin. */
+static int fastest_coordinate(const km_driver_circuit *g) {
+  const km_driver_surface *f = g->f;
+  km_mobility mobility;
+  bool is_known = !km_mobility_compute(f->m, f->s, &mobility);
+  int best = driver_of(g);
+  for (int k = km_driver_surface_joints(f) - 1; k >= 0 && is_known; --k) {
+    int c = km_driver_surface_coordinate(f, k);
+    if (f->m->ball_of[c] < 0 && km_mobility_number(f->s, c) * 1.000001 > km_mobility_number(f->s, best))
+      best = c;
+  }
+  return best;
+}
+
 km_status km_driver_circuit_follow(km_driver_circuit *g, km_driver_swing *swing, km_error *error) {
   bool is_closed = false;
   km_status status = KM_OK;
@@ -136,7 +151,7 @@ km_status km_driver_circuit_follow(km_driver_circuit *g, km_driver_swing *swing,
     km_arc_motion *motion = NULL;
     km_driver_surface_restore(g->f, g->place);
     km_state_invalidate_pivots(g->f->s, g->f->part[0].substructure);
-    status = km_arc_motion_create(g->f->m, g->f->s, -1, sense, true, &motion, error);
+    status = km_arc_motion_create(g->f->m, g->f->s, fastest_coordinate(g), sense, true, &motion, error);
     if (!status)
       follow_motion(g, motion, swing, &is_closed);
     km_arc_motion_free(motion);

@@ -309,17 +309,18 @@ static bool visit_neighbours(km_map_search *g, int sheet, int cell, double *N, i
   return true;
 }
 
-/* Adds the limits that the configuration of a neighbour exceeds. */
-static bool add_exceeded_limits(km_map_search *g, int cell, int neighbour) {
+/* Adds the limits that the configuration of a cell exceeds, from there: within them a ball joint's angle may be 0. */
+static bool add_exceeded_limits(km_map_search *g, int cell) {
   const km_driver_surface *f = &g->f;
+  const double *saved = g->saved + (size_t)cell * f->saved_size;
   bool is_ok = true;
   for (int k = 0; is_ok && k < km_driver_surface_joints(f); ++k) {
-    km_driver_surface_restore(&g->f, g->saved + (size_t)neighbour * f->saved_size);
+    km_driver_surface_restore(&g->f, saved);
     double q = km_driver_surface_limited_value(f, k), low = km_driver_surface_low(f, k),
            high = km_driver_surface_high(f, k);
     const km_surface_curve limit = {KM_CURVE_LIMIT, k, q > high ? high : low};
     if (q > high || q < low)
-      is_ok = km_surface_curves_add(g->curves, &limit, g->saved + (size_t)cell * f->saved_size, g->curve_reach);
+      is_ok = km_surface_curves_add(g->curves, &limit, saved, g->curve_reach);
   }
   return is_ok;
 }
@@ -338,7 +339,7 @@ static bool add_limits(km_map_search *g, int cell) {
   for (int k = 0; is_ok && g->is_written[cell] && k < 4; ++k) {
     int next = neighbour(g, cell, k);
     if (next >= 0 && g->sign[next] && !g->is_written[next])
-      is_ok = add_exceeded_limits(g, cell, next);
+      is_ok = add_exceeded_limits(g, next);
   }
   return is_ok;
 }

@@ -21,9 +21,10 @@ static double cell(const km_table *table, size_t row, const char *column) {
   return km_table_row(table, row)[c];
 }
 
-static km_space_map map_of(const fixture *f, double range, int steps) {
+static km_space_map map_of(const fixture *f, double range, int steps, bool within_limits) {
   const km_space_map_def def = {
-      .axis = {{coordinate(f, "A"), -range, range, steps}, {coordinate(f, "E"), -range, range, steps}}};
+      .axis = {{coordinate(f, "A"), -range, range, steps}, {coordinate(f, "E"), -range, range, steps}},
+      .within_limits = within_limits};
   km_all_modes modes;
   km_space_map map;
   km_error error = {0};
@@ -91,7 +92,7 @@ static void passive_axes_are_coplanar_on_the_curves(void **state) {
   for (int trial = 0; trial < 2 * TRIALS; ++trial) {
     km_vec3 axis[5];
     fixture f = spherical_five_bar(&random, axis, trial % 2);
-    km_space_map map = map_of(&f, 2.0, 30);
+    km_space_map map = map_of(&f, 2.0, 30, false);
     double gap;
     assert_in_range(map.sheet_count, 2, MOST_SHEETS); /* two of each region of the drivers' plane */
     assert_int_equal(map.sheet_count % 2, 0);
@@ -140,10 +141,12 @@ static five_bar random_five_bar(uint64_t *random) {
 
 /* A joint with its axis along z at a place (x, y), in the frame that is turned by R. */
 static void add_joint(km_text *out, const km_rotation *R, const char *name, const char *type, const char *bodies,
-                      double x, double y) {
+                      double x, double y, double limit) {
   km_vec3 at = km_vec3_add(km_vec3_scale(x, R->axis[0]), km_vec3_scale(y, R->axis[1])), z = R->axis[2];
   km_text_format(out, ", {\"name\": \"%s\", \"type\": \"%s\", \"bodies\": [%s], \"at\": [%.17g, %.17g, %.17g]", name,
                  type, bodies, at.x, at.y, at.z);
+  if (limit > 0.0)
+    km_text_format(out, ", \"limits\": [%.17g, %.17g]", *type == 's' ? 0.0 : -limit, limit);
   if (*type == 's')
     km_text_format(out, "}");
   else
@@ -151,8 +154,8 @@ static void add_joint(km_text *out, const km_rotation *R, const char *name, cons
 }
 
 /* BALL: a ball at P; ROD: at both ends of a rod; PARALLEL: a crank of three that stay parallel; CARDAN: a ball at
- * both ends of one rod and at one of the other. */
-static fixture build(const five_bar *b, int kind, const km_rotation *R) {
+ * both ends of one rod and at one of the other. limit: of joint C's angle; 0: none. */
+static fixture build(const five_bar *b, int kind, const km_rotation *R, double limit) {
   km_text text = {0};
   bool is_parallel = kind == PARALLEL;
   double x = b->crank[0][0], y = b->crank[0][1];
@@ -162,18 +165,20 @@ static fixture build(const five_bar *b, int kind, const km_rotation *R) {
       "\"b2\"}, {\"name\": \"b3\"}, {\"name\": \"b4\"}%s], \"joints\": [",
       is_parallel ? ", {\"name\": \"bar\"}, {\"name\": \"p\"}, {\"name\": \"q\"}" : "");
   size_t start = text.size;
-  add_joint(&text, R, "A", "revolute", "\"fixed\", \"b1\"", 0.0, 0.0);
+  add_joint(&text, R, "A", "revolute", "\"fixed\", \"b1\"", 0.0, 0.0, 0.0);
   add_joint(&text, R, "B", kind == CARDAN ? "spherical" : "revolute",
-            is_parallel ? "\"bar\", \"b2\"" : "\"b1\", \"b2\"", x, y);
-  add_joint(&text, R, "C", kind == PLAIN || is_parallel ? "revolute" : "spherical", "\"b2\", \"b3\"", b->P[0], b->P[1]);
-  add_joint(&text, R, "D", kind == ROD ? "spherical" : "revolute", "\"b4\", \"b3\"", b->crank[1][0], b->crank[1][1]);
-  add_joint(&text, R, "E", "revolute", "\"fixed\", \"b4\"", 1.0, 0.0);
+            is_parallel ? "\"bar\", \"b2\"" : "\"b1\", \"b2\"", x, y, 0.0);
+  add_joint(&text, R, "C", kind == PLAIN || is_parallel ? "revolute" : "spherical", "\"b2\", \"b3\"", b->P[0], b->P[1],
+            limit);
+  add_joint(&text, R, "D", kind == ROD ? "spherical" : "revolute", "\"b4\", \"b3\"", b->crank[1][0], b->crank[1][1],
+            0.0);
+  add_joint(&text, R, "E", "revolute", "\"fixed\", \"b4\"", 1.0, 0.0, 0.0);
   if (is_parallel) {
-    add_joint(&text, R, "F", "revolute", "\"b1\", \"bar\"", x, y);
-    add_joint(&text, R, "G", "revolute", "\"fixed\", \"p\"", -0.5, -0.18);
-    add_joint(&text, R, "H", "revolute", "\"p\", \"bar\"", x - 0.5, y - 0.18);
-    add_joint(&text, R, "I", "revolute", "\"q\", \"fixed\"", -0.3, 0.1);
-    add_joint(&text, R, "J", "revolute", "\"q\", \"bar\"", x - 0.3, y + 0.1);
+    add_joint(&text, R, "F", "revolute", "\"b1\", \"bar\"", x, y, 0.0);
+    add_joint(&text, R, "G", "revolute", "\"fixed\", \"p\"", -0.5, -0.18, 0.0);
+    add_joint(&text, R, "H", "revolute", "\"p\", \"bar\"", x - 0.5, y - 0.18, 0.0);
+    add_joint(&text, R, "I", "revolute", "\"q\", \"fixed\"", -0.3, 0.1, 0.0);
+    add_joint(&text, R, "J", "revolute", "\"q\", \"bar\"", x - 0.3, y + 0.1, 0.0);
   }
   text.data[start] = ' ';
   km_text_format(&text, "]}]}");
@@ -204,12 +209,12 @@ static void balls_and_parallel_cranks_change_no_sheet(void **state) {
     five_bar b = random_five_bar(&random);
     double rod[2] = {hypot(b.P[0] - b.crank[0][0], b.P[1] - b.crank[0][1]),
                      hypot(b.P[0] - b.crank[1][0], b.P[1] - b.crank[1][1])};
-    fixture plain = build(&b, PLAIN, &upright);
-    km_space_map expected = map_of(&plain, 1.1, 24);
+    fixture plain = build(&b, PLAIN, &upright, 0.0);
+    km_space_map expected = map_of(&plain, 1.1, 24, false);
     assert_true(expected.curve_count > 0);
     for (int kind = BALL; kind < KINDS; ++kind) {
-      fixture f = build(&b, kind, trial % 2 ? &oblique : &upright);
-      km_space_map map = map_of(&f, 1.1, 24);
+      fixture f = build(&b, kind, trial % 2 ? &oblique : &upright, 0.0);
+      km_space_map map = map_of(&f, 1.1, 24, false);
       double ratio = f.mechanism->substructures[0].size / plain.mechanism->substructures[0].size;
       assert_int_equal(map.sheet_count, expected.sheet_count);
       assert_int_equal(map.curve_count, expected.curve_count);
@@ -241,13 +246,41 @@ static void balls_and_parallel_cranks_change_no_sheet(void **state) {
   }
 }
 
+/* A ball joint's largest angle bounds a map as the limits of the hinge do whose place it has. */
+static void largest_angles_bound_the_sheets(void **state) {
+  (void)state;
+  const double limit = 0.4;
+  const km_rotation upright = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  uint64_t random = 9;
+  for (int trial = 0; trial < TRIALS; ++trial) {
+    five_bar b = random_five_bar(&random);
+    fixture hinge = build(&b, PLAIN, &upright, limit), ball = build(&b, BALL, &upright, limit);
+    km_space_map expected = map_of(&hinge, 1.1, 24, true), map = map_of(&ball, 1.1, 24, true);
+    size_t on_limit = 0;
+    assert_int_equal(km_table_rows(map.cells), km_table_rows(expected.cells));
+    assert_int_equal(map.curve_count, expected.curve_count);
+    for (size_t k = 0; k < km_table_rows(map.curves); ++k) {
+      if (cell(map.curves, k, "kind") != KM_CURVE_LIMIT)
+        continue;
+      km_vec3 turn = {cell(map.curves, k, "q.C[0]"), cell(map.curves, k, "q.C[1]"), cell(map.curves, k, "q.C[2]")};
+      assert_near(km_vec3_norm(turn), limit, 1e-10);
+      ++on_limit;
+    }
+    assert_true(on_limit > 20);
+    km_space_map_free(&map);
+    km_space_map_free(&expected);
+    fixture_close(&hinge);
+    fixture_close(&ball);
+  }
+}
+
 /* A path of the mechanism with balls is one of the planar mechanism: the rods never pass their line. */
 static void paths_keep_the_rods_from_their_line(void **state) {
   (void)state;
   const km_rotation upright = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   const five_bar b = {.crank = {{0.0, 0.6}, {1.0, 0.6}}, .P = {0.5, 1.3483314773547883}};
   for (int kind = BALL; kind < KINDS; ++kind) {
-    fixture f = build(&b, kind, &upright);
+    fixture f = build(&b, kind, &upright, 0.0);
     const int drivers[2] = {coordinate(&f, "A"), coordinate(&f, "E")};
     const double to[2] = {kind == PARALLEL ? 1.0 : 2.9, kind == PARALLEL ? 0.9 : -2.9};
     const km_space_path_def def = {.drivers = drivers, .driver_count = 2, .to_drivers = to, .seed = 1};
@@ -317,7 +350,7 @@ static void lines_of_the_rods_meet_on_the_curves(void **state) {
     assert_int_equal(km_mechanism_compile(f.model, &hold, 1, &f.mechanism, NULL), KM_OK);
     assert_int_equal(km_state_create(f.mechanism, &f.state, NULL), KM_OK);
     assert_int_equal(km_assemble(f.mechanism, f.state, &evidence, NULL), KM_OK);
-    km_space_map map = map_of(&f, 1.5, 40);
+    km_space_map map = map_of(&f, 1.5, 40, false);
     assert_true(map.curve_count > 0);
     for (size_t row = 0; row < km_table_rows(map.curves); ++row, ++points) {
       double line[3][3];
@@ -340,9 +373,9 @@ static void lines_of_the_rods_meet_on_the_curves(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(passive_axes_are_coplanar_on_the_curves),
-                                     cmocka_unit_test(balls_and_parallel_cranks_change_no_sheet),
-                                     cmocka_unit_test(paths_keep_the_rods_from_their_line),
-                                     cmocka_unit_test(lines_of_the_rods_meet_on_the_curves)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(passive_axes_are_coplanar_on_the_curves),
+      cmocka_unit_test(balls_and_parallel_cranks_change_no_sheet), cmocka_unit_test(largest_angles_bound_the_sheets),
+      cmocka_unit_test(paths_keep_the_rods_from_their_line), cmocka_unit_test(lines_of_the_rods_meet_on_the_curves)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

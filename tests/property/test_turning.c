@@ -143,6 +143,43 @@ static void four_bars_turn_as_grashof_says(void **state) {
   assert_true(values >= TRIALS);
 }
 
+/* Square of the rod's length that models/rssr.json has with the crank of radius y, less the squares of the longest
+ * (sense 1) or shortest (−1) distance of the crank's end at its angle A from the circle of the rocker's end. */
+static double rod_excess(double y, double A, double sense) {
+  double across = 10.0 + y * sin(A), in_plane = 6.0 + sense * hypot(4.0, y * cos(A));
+  return 100.0 + (6.0 - y) * (6.0 - y) + 16.0 - across * across - in_plane * in_plane;
+}
+
+/* A rod between two balls, which spins: at a dead point it reaches the rocker's circle at its farthest or nearest. The
+ * crank goes round until one of these fails at A = ±90°: at y = 3/2, nearest, and at y = 6, farthest. */
+static void rod_reaches_the_rocker(void **state) {
+  (void)state;
+  char *json = read_model_text("rssr");
+  km_text text = {0};
+  km_text_format(&text, "%s", json);
+  written_model w = write_model(&text);
+  km_turning t = turning_of(&w, "B.at.1", 1.0, 9.0);
+  assert_int_equal(t.point_count, 2);
+  for (int i = 0; i < 2; ++i) {
+    assert_near(t.points[i].number, i == 0 ? 1.5 : 6.0, 1e-8);
+    assert_near(t.points[i].driver, i == 0 ? 90.0 : -90.0, 1e-4);
+    assert_int_equal(t.points[i].kind, KM_TURNING_CROSSING);
+  }
+  assert_int_equal(t.interval_count, 3);
+  assert_true(t.intervals[0].turns && !t.intervals[1].turns && !t.intervals[2].turns);
+  assert_int_equal(t.intervals[2].dead_points, 4);
+  assert_true(km_table_rows(t.curves) > 100);
+  for (size_t k = 0; k < km_table_rows(t.curves); ++k) {
+    const double *row = km_table_row(t.curves, k);
+    double A = row[3] * M_PI / 180.0;
+    assert_at_most(fmin(fabs(rod_excess(row[1], A, 1.0)), fabs(rod_excess(row[1], A, -1.0))), 1e-7);
+  }
+  km_turning_free(&t);
+  close_model(&w);
+  km_text_free(&text);
+  km_free(json);
+}
+
 static bool stop_at_once(void *context, double done) {
   (void)context;
   (void)done;
@@ -179,6 +216,7 @@ static void refusals(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(four_bars_turn_as_grashof_says), cmocka_unit_test(refusals)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(four_bars_turn_as_grashof_says),
+                                     cmocka_unit_test(rod_reaches_the_rocker), cmocka_unit_test(refusals)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
