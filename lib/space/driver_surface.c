@@ -109,8 +109,8 @@ static void update_all(km_driver_surface *f) {
 }
 
 static void take_rows(km_driver_surface *f) {
-  km_primary_rows_take(&f->primary, f->all_J, f->columns, f->J);
-  km_primary_rows_take(&f->primary, f->all_e, 1, f->e);
+  km_condition_rows_take(&f->primary, f->all_J, f->columns, f->J);
+  km_condition_rows_take(&f->primary, f->all_e, 1, f->e);
 }
 
 km_status km_driver_surface_create(km_driver_surface *f, const int *drivers, int count, km_arena *arena,
@@ -221,7 +221,7 @@ static bool allocate(km_driver_surface *f, km_arena *arena) {
   f->b = KM_ARENA_NEW(arena, double, r + 1);
   f->G = KM_ARENA_NEW(arena, double, 2 * n);
   f->frame_jacobian = KM_ARENA_NEW(arena, double, 6 * (size_t)f->m->coordinate_count);
-  return km_primary_rows_create(&f->primary, f->conditions, f->rows, f->columns, arena);
+  return km_condition_rows_create(&f->primary, f->conditions, f->rows, f->columns, arena);
 }
 
 km_status km_driver_surface_begin(km_driver_surface *f, km_arena *arena, km_error *error) {
@@ -238,7 +238,7 @@ km_status km_driver_surface_begin(km_driver_surface *f, km_arena *arena, km_erro
   if (!allocate(f, arena))
     return no_memory(error);
   update_all(f);
-  return km_primary_rows_choose(&f->primary, f->all_J) ? KM_OK : no_memory(error);
+  return km_condition_rows_choose(&f->primary, f->all_J) ? KM_OK : no_memory(error);
 }
 
 /* ---- Operations. */
@@ -250,7 +250,7 @@ void km_driver_surface_update(km_driver_surface *f) {
 
 bool km_driver_surface_exchange(km_driver_surface *f) {
   bool is_changed;
-  km_primary_rows_exchange(&f->primary, f->all_J, &is_changed);
+  km_condition_rows_exchange(&f->primary, f->all_J, &is_changed);
   if (is_changed)
     take_rows(f);
   return is_changed;
@@ -266,8 +266,8 @@ void km_driver_surface_restart(km_driver_surface *f) {
   f->primary.present = 0;
   km_driver_surface_stop_spins(f);
   update_all(f);
-  if (!km_primary_rows_exchange(&f->primary, f->all_J, &is_changed))
-    km_primary_rows_choose(&f->primary, f->all_J);
+  if (!km_condition_rows_exchange(&f->primary, f->all_J, &is_changed))
+    km_condition_rows_choose(&f->primary, f->all_J);
 }
 
 bool km_driver_surface_is_closed(const km_driver_surface *f) {

@@ -14,7 +14,7 @@
 #include "kinematics/state.h"
 #include "kmech/space.h"
 #include "space/design_number.h"
-#include "space/surface/primary_rows.h"
+#include "space/surface/condition_rows.h"
 #include "space/surface/rod_spin.h"
 
 /* A part of the mechanism that a driver moves: a substructure, or a joint of no loop. */
@@ -47,8 +47,8 @@ typedef struct km_driver_surface {
   double *all_e;  /* [conditions] */
   double gap;     /* largest magnitude of all_e */
   double *part_J; /* [conditions × columns] workspace */
-  km_primary_rows primary; /* rows of J and e among all conditions */
-  double *A;               /* [rows × rows], by rows: factors after km_driver_surface_factor */
+  km_condition_rows primary; /* rows of J and e among all conditions */
+  double *A;                 /* [rows × rows], by rows: factors after km_driver_surface_factor */
   int *row;
   double *step, *x, *b;   /* [columns], [rows], [rows] */
   int frame;              /* the output's point: its frame; −1: none */

@@ -1,5 +1,5 @@
-/* Independent rows of a matrix (space/surface/primary_rows.h). */
-#include "space/surface/primary_rows.h"
+/* Independent rows of a matrix (space/surface/condition_rows.h). */
+#include "space/surface/condition_rows.h"
 
 #include "base/number/vectors.h"
 #include "space/real_solve.h"
@@ -9,9 +9,9 @@
 static const double most_weight = 2.0; /* growth of B (docs/theory.md 3.3) */
 static const double dependent = 1e-12; /* pivot of J Jᵀ over the largest: W has no digits below */
 
-bool km_primary_rows_create(km_primary_rows *p, int all, int rows, int columns, km_arena *arena) {
+bool km_condition_rows_create(km_condition_rows *p, int all, int rows, int columns, km_arena *arena) {
   size_t r = (size_t)rows, a = (size_t)all;
-  *p = (km_primary_rows){.all = all, .rows = rows, .columns = columns, .arena = arena};
+  *p = (km_condition_rows){.all = all, .rows = rows, .columns = columns, .arena = arena};
   p->remainder = KM_ARENA_NEW(arena, double, a *(size_t)columns + 1);
   p->gram = KM_ARENA_NEW(arena, double, r *r + 1);
   p->weights = KM_ARENA_NEW(arena, double, r + 1);
@@ -22,7 +22,7 @@ bool km_primary_rows_create(km_primary_rows *p, int all, int rows, int columns, 
 }
 
 /* Makes p->next with this sense the present choice. */
-static bool make_present(km_primary_rows *p, int sense) {
+static bool make_present(km_condition_rows *p, int sense) {
   size_t size = (size_t)p->rows * sizeof *p->next;
   for (int i = 0; i < p->count; ++i)
     if (p->choices[i].sense == sense && memcmp(p->choices[i].row, p->next, size) == 0) {
@@ -41,7 +41,7 @@ static bool make_present(km_primary_rows *p, int sense) {
 }
 
 /* The longest remainder of a row that isn't chosen. */
-static int longest_row(const km_primary_rows *p) {
+static int longest_row(const km_condition_rows *p) {
   int longest = -1;
   double most = 0.0;
   for (int i = 0; i < p->all; ++i) {
@@ -54,7 +54,7 @@ static int longest_row(const km_primary_rows *p) {
   return longest;
 }
 
-bool km_primary_rows_choose(km_primary_rows *p, const double *J_all) {
+bool km_condition_rows_choose(km_condition_rows *p, const double *J_all) {
   int n = p->columns, count = 0;
   for (int i = 0; i < p->all; ++i) {
     p->is_primary[i] = false;
@@ -79,7 +79,7 @@ bool km_primary_rows_choose(km_primary_rows *p, const double *J_all) {
 }
 
 /* Factors J Jᵀ. False where the primary rows depend on each other. */
-static bool factor_gram(km_primary_rows *p, const double *J_all) {
+static bool factor_gram(km_condition_rows *p, const double *J_all) {
   const int *row = p->choices[p->present].row;
   double largest = 0.0, smallest = HUGE_VAL;
   int sign, r = p->rows;
@@ -100,7 +100,7 @@ static bool factor_gram(km_primary_rows *p, const double *J_all) {
 }
 
 /* Finds the largest weight, of row *i on primary row *j. */
-static double largest_weight(km_primary_rows *p, const double *J_all, int *i, int *j) {
+static double largest_weight(km_condition_rows *p, const double *J_all, int *i, int *j) {
   const int *row = p->choices[p->present].row;
   double *right = p->remainder, largest = 0.0;
   for (int other = 0, next = 0; other < p->all; ++other) {
@@ -125,7 +125,7 @@ static double largest_weight(km_primary_rows *p, const double *J_all, int *i, in
 }
 
 /* Puts row i in the place of primary row j, and the rows in order: each transposition reverses the sense. */
-static bool replace(km_primary_rows *p, int i, int j, double weight) {
+static bool replace(km_condition_rows *p, int i, int j, double weight) {
   int sense = p->choices[p->present].sense * (weight < 0.0 ? -1 : 1);
   memcpy(p->next, p->choices[p->present].row, (size_t)p->rows * sizeof *p->next);
   p->next[j] = i;
@@ -138,7 +138,7 @@ static bool replace(km_primary_rows *p, int i, int j, double weight) {
   return make_present(p, sense);
 }
 
-bool km_primary_rows_exchange(km_primary_rows *p, const double *J_all, bool *is_changed) {
+bool km_condition_rows_exchange(km_condition_rows *p, const double *J_all, bool *is_changed) {
   int i = 0, j = 0;
   *is_changed = false;
   while (p->all > p->rows) {
@@ -154,7 +154,7 @@ bool km_primary_rows_exchange(km_primary_rows *p, const double *J_all, bool *is_
   return true;
 }
 
-void km_primary_rows_take(const km_primary_rows *p, const double *A_all, int columns, double *A) {
+void km_condition_rows_take(const km_condition_rows *p, const double *A_all, int columns, double *A) {
   const km_row_choice *choice = &p->choices[p->present];
   if (A == A_all)
     return;
