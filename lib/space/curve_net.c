@@ -10,10 +10,9 @@
 #include <string.h>
 
 enum { MOST_NEWTON = 12, MOST_HALVINGS = 3 /* halvings of segments that run along each other */, NO_TURN = 2 };
-static const double converged = 1e-8; /* last correction of u: its square is rounding */
-static const double beyond_end =
-    1e-6;                            /* points so far beyond an end of a segment count for both, in u and extents */
-static const double parallel = 1e-5; /* sine of the angle of curves that run along each other */
+static const double converged = 1e-8;  /* last correction of u: its square is rounding */
+static const double beyond_end = 1e-6; /* points so far beyond an end of a segment count for both, in u and extents */
+static const double parallel = 1e-5;   /* sine of the angle of curves that run along each other */
 static const double same_place = 3e-8; /* part of the extent: ends on another curve, whose error is 1e-9 */
 
 typedef struct cut {

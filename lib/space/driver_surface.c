@@ -470,16 +470,25 @@ static double within(double value, double low, double high) {
   return fmin(value - low, high - value);
 }
 
-double km_driver_surface_margin(const km_driver_surface *f, int except) {
+double km_driver_surface_margin(km_driver_surface *f, int column, int pair) {
   double least = HUGE_VAL;
   for (int d = 0; d < 2; ++d)
-    if (f->control[d] != except && !f->is_full_turn[d])
+    if (f->control[d] != column && !f->is_full_turn[d])
       least = fmin(least, within(km_driver_surface_value(f, d), f->low[d], f->high[d]));
   for (int k = 0; k < km_driver_surface_joints(f) && f->keeps_limits; ++k)
-    if (k != except)
+    if (k != column)
       least = fmin(least, within(km_driver_surface_limited_value(f, k), km_driver_surface_low(f, k),
                                  km_driver_surface_high(f, k)));
-  return least;
+  km_kept_clearance_update(&f->kept, f->m, f->s);
+  return fmin(least, km_kept_clearance_least(&f->kept, pair));
+}
+
+void km_driver_surface_add_clearance_row(km_driver_surface *f, int pair, double *row) {
+  km_clearance_gradient(f->kept.clearance, f->s, pair, &f->kept.pairs[pair], f->kept.gradient, NULL);
+  for (int k = 0; k < km_driver_surface_joints(f); ++k) {
+    int c = km_driver_surface_coordinate(f, k);
+    row[k] += f->kept.gradient[c] * f->m->unit[c] / f->size;
+  }
 }
 
 /* True if the column is the second or third one of a ball joint. */

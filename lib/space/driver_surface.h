@@ -15,6 +15,7 @@
 #include "kmech/space.h"
 #include "space/design_number.h"
 #include "space/surface/condition_rows.h"
+#include "space/surface/kept_clearance.h"
 #include "space/surface/rod_spin.h"
 
 /* A part of the mechanism that a driver moves: a substructure, or a joint of no loop. */
@@ -39,6 +40,7 @@ typedef struct km_driver_surface {
   double low[2], high[2];                          /* ranges of two controls: the model's units */
   bool is_full_turn[2];                            /* a hinge whose range is a full turn, and so without ends */
   bool keeps_limits;                               /* joint limits bound curves too */
+  km_kept_clearance kept;                          /* and a least clearance */
   km_design_number *number;                        /* the last control; NULL: a driver */
   int *other;                                      /* [rows] the other columns */
   double *J;      /* [rows × columns], column-major; the number's column isn't updated. All conditions: all_J */
@@ -111,9 +113,11 @@ void km_driver_surface_restore(km_driver_surface *f, const double *saved);
 double km_driver_surface_difference(const km_driver_surface *f, const double *saved, double *step);
 /* Value of a control in the model's unit. */
 double km_driver_surface_value(const km_driver_surface *f, int control);
-/* Least distance to the ends of the controls' ranges but full turns, and of the joints' limits if they are kept;
- * negative outside. The column `except` doesn't count; −1: all do. */
-double km_driver_surface_margin(const km_driver_surface *f, int except);
+/* Least distance to the ends of the controls' ranges but full turns, to the joints' limits if they are kept, and to the
+ * least clearance; negative outside. A column and a pair don't count; −1: all do. */
+double km_driver_surface_margin(km_driver_surface *f, int column, int pair);
+/* Adds to row[columns] the gradient of a pair's distance over the size, at the last update of the kept clearance. */
+void km_driver_surface_add_clearance_row(km_driver_surface *f, int pair, double *row);
 /* Value of a column's coordinate to which limits apply, radians or the model's length: of a ball joint's first column
  * its angle, of the others 0. */
 double km_driver_surface_limited_value(const km_driver_surface *f, int column);

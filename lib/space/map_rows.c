@@ -155,6 +155,8 @@ bool km_map_fill_row(km_map_search *g, int cell, int sheet, const double *N, int
   *row++ = km_driver_surface_input_value(f);
   *row++ = km_driver_surface_closure_value(f);
   row += write_output(g, N, row, output_sign);
-  g->is_written[cell] = !g->def->within_limits || !km_driver_surface_is_outside_limit(f);
+  km_kept_clearance_update(&f->kept, f->m, f->s);
+  g->is_written[cell] = (!g->def->within_limits || !km_driver_surface_is_outside_limit(f)) &&
+                        km_kept_clearance_least(&f->kept, -1) >= 0.0;
   return write_figures(g, row);
 }

@@ -95,7 +95,7 @@ static int find_aspect(km_workspace_search *w, const km_curve_point *p, int side
     int sign;
     for (int part = 1; is_same && part <= PARTS; ++part)
       is_same = move_across(w, p, side * distances[i] * part / PARTS) && has_signs(w, signs);
-    if (!is_same || km_driver_surface_margin(&w->g->f, -1) < 0.0)
+    if (!is_same || km_driver_surface_margin(&w->g->f, -1, -1) < 0.0)
       continue;
     w->g->kept_sign = signs[1];
     int cell = km_map_enter_grid(w->g, &sign, w->N);
@@ -138,7 +138,7 @@ static void find_side(km_workspace_search *w, km_piece_side *side, int sense, do
   if (side->signs[0] == 0) {
     if (!move_across(w, &w->sample, sense * distance))
       return;
-    bool is_inside = km_driver_surface_margin(&w->g->f, -1) >= 0.0;
+    bool is_inside = km_driver_surface_margin(&w->g->f, -1, -1) >= 0.0;
     find_signs(w, side->signs);
     side->jump = is_inside ? side->signs[1] * sense : 0;
   }

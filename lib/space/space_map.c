@@ -325,6 +325,20 @@ static bool add_exceeded_limits(km_map_search *g, int cell) {
   return is_ok;
 }
 
+/* Adds the curves of the pairs of bodies that are too near to each other at a neighbour. */
+static bool add_near_pairs(km_map_search *g, int cell, int neighbour) {
+  km_driver_surface *f = &g->f;
+  bool is_ok = true;
+  for (int pair = 0; is_ok && pair < km_kept_clearance_count(&f->kept); ++pair) {
+    const km_surface_curve curve = {KM_CURVE_CLEARANCE, pair, f->kept.least};
+    km_driver_surface_restore(f, g->saved + (size_t)neighbour * f->saved_size);
+    km_kept_clearance_update(&f->kept, f->m, f->s);
+    if (km_kept_clearance_excess(&f->kept, pair) < 0.0)
+      is_ok = km_surface_curves_add(g->curves, &curve, g->saved + (size_t)cell * f->saved_size, g->curve_reach);
+  }
+  return is_ok;
+}
+
 /* Adds the limits at a cell: an end of a driver's range, for the workspace of a point, and limits of joints. */
 static bool add_limits(km_map_search *g, int cell) {
   const int at[2] = {cell % g->across, cell / g->across}, last[2] = {g->across - 1, g->down - 1};
@@ -339,7 +353,7 @@ static bool add_limits(km_map_search *g, int cell) {
   for (int k = 0; is_ok && g->is_written[cell] && k < 4; ++k) {
     int next = neighbour(g, cell, k);
     if (next >= 0 && g->sign[next] && !g->is_written[next])
-      is_ok = add_exceeded_limits(g, next);
+      is_ok = (!g->f.keeps_limits || add_exceeded_limits(g, next)) && add_near_pairs(g, cell, next);
   }
   return is_ok;
 }
@@ -430,7 +444,10 @@ static km_status prepare(km_map_search *g, km_error *error) {
   for (int d = 0; d < 2; ++d)
     f->is_full_turn[d] = !axis_ends(g, d);
   f->keeps_limits = def->within_limits;
+  f->kept = (km_kept_clearance){.clearance = def->clearance, .least = def->least_clearance};
   km_status status = km_driver_surface_create(f, drivers, 2, &g->arena, error);
+  if (!status && !km_kept_clearance_create(&f->kept, f->m, &g->arena))
+    status = no_memory(error);
   if (status)
     return status;
   for (int d = 0; d < 2; ++d)
@@ -620,7 +637,11 @@ km_status km_space_map_compute(const km_mechanism *m, const km_state *s, const k
 }
 
 const char *km_curve_kind_name(km_curve_kind kind) {
-  return kind == KM_CURVE_INPUT ? "input" : kind == KM_CURVE_OUTPUT ? "output" : kind == KM_CURVE_LIMIT ? "limit" : "";
+  return kind == KM_CURVE_INPUT       ? "input"
+         : kind == KM_CURVE_OUTPUT    ? "output"
+         : kind == KM_CURVE_LIMIT     ? "limit"
+         : kind == KM_CURVE_CLEARANCE ? "clearance"
+                                      : "";
 }
 
 void km_space_map_free(km_space_map *map) {

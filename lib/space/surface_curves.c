@@ -2,7 +2,7 @@
  *
  *   singular: R(q, z) = (e(q); K(q) z; cᵀ z − 1) = 0,   c = z at the last point; one unknown more than equations
  *             M = dR = (J 0; (dK/dq) z K; 0 cᵀ),   dK/dq by central differences, and so the number's column of J
- *   limit   : R(q) = (e(q); q_k − bound) = 0,   M = (J; unit row k)
+ *   limit   : R(q) = (e(q); q_k − bound) = 0,   M = (J; unit row k);   clearance: d(q) − d_least, its gradient
  *   M t = 0, |t| = 1;   predictor (q, z) + h t;   corrector: Newton's method with tᵀ x = 0
  *
  * The augmented system is regular at folds, where K alone is singular (A. Griewank, G. W. Reddien 1984). Roots of
@@ -186,10 +186,18 @@ static void fill_singular_rows(km_surface_curves *v) {
   v->R[r + w] = -product;
 }
 
-/* Scaled value of a column's coordinate less the bound. */
-static double over_bound(const km_surface_curves *v) {
-  int c = km_driver_surface_coordinate(v->f, v->of.column);
-  return (km_driver_surface_limited_value(v->f, v->of.column) - v->of.bound) / v->f->m->unit[c];
+/* Fills the row of a limit or clearance, and returns its scaled error. */
+static double fill_bound_row(km_surface_curves *v, double *row) {
+  km_driver_surface *f = v->f;
+  int column = v->of.column;
+  if (v->of.kind == KM_CURVE_CLEARANCE) {
+    km_kept_clearance_update(&f->kept, f->m, f->s);
+    km_driver_surface_add_clearance_row(f, column, row);
+    return km_kept_clearance_excess(&f->kept, column) / f->size;
+  }
+  km_driver_surface_add_limited_row(f, column, row);
+  double unit = f->m->unit[km_driver_surface_coordinate(f, column)];
+  return (km_driver_surface_limited_value(f, column) - v->of.bound) / unit;
 }
 
 /* Fills M and R at the state's configuration and z; the last row of M is `last`. */
@@ -211,8 +219,7 @@ static bool fill(km_surface_curves *v, const double *last) {
   if (is_singular) {
     fill_singular_rows(v);
   } else {
-    km_driver_surface_add_limited_row(f, v->of.column, v->M + r * u);
-    v->R[r] = -over_bound(v);
+    v->R[r] = -fill_bound_row(v, v->M + r * u);
   }
   v->R[u - 1] = 0.0;
   memcpy(v->M + (size_t)(u - 1) * (size_t)u, last, (size_t)u * sizeof *last);
@@ -350,7 +357,8 @@ static double function_value(km_surface_curves *v, int function) {
   km_driver_surface *f = v->f;
   switch (function) {
   case MARGIN:
-    return km_driver_surface_margin(f, v->of.kind == KM_CURVE_LIMIT ? v->of.column : -1);
+    return km_driver_surface_margin(f, v->of.kind == KM_CURVE_LIMIT ? v->of.column : -1,
+                                    v->of.kind == KM_CURVE_CLEARANCE ? v->of.column : -1);
   case BRANCH_DETERMINANT:
     return f->frame < 0 || v->vector == 0 ? nan("") : v->determinant;
   case NUMBER_RATE:
@@ -545,7 +553,7 @@ static bool move_to_curve(km_surface_curves *v) {
 }
 
 static bool is_same_curve(const km_surface_curve *a, const km_surface_curve *b) {
-  return a->kind == b->kind && (a->kind != KM_CURVE_LIMIT || (a->column == b->column && a->bound == b->bound));
+  return a->kind == b->kind && a->column == b->column && a->bound == b->bound;
 }
 
 /* Distance of the state from the Hermite interpolant between two points of a curve, from which it differs by the steps
@@ -617,7 +625,7 @@ static bool write_points(km_surface_curves *v, size_t first, size_t end, int by)
 
 static void choose(km_surface_curves *v, const km_surface_curve *of) {
   v->of = *of;
-  v->vector = of->kind == KM_CURVE_LIMIT ? 0 : v->order;
+  v->vector = of->kind == KM_CURVE_INPUT || of->kind == KM_CURVE_OUTPUT ? v->order : 0;
   v->unknowns = v->f->columns + v->vector;
 }
 

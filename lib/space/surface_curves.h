@@ -1,7 +1,8 @@
 /* Curves on a surface of configurations with two controls (docs/theory.md 4.19, 4.20).
  *
  *   input, output: det K = 0, K of the surface (driver_surface.h)
- *   limit        : a coordinate at a bound of its range */
+ *   limit        : a coordinate at a bound of its range
+ *   clearance    : the distance of a pair of bodies at its least */
 #ifndef KM_SPACE_SURFACE_CURVES_H
 #define KM_SPACE_SURFACE_CURVES_H
 
@@ -12,7 +13,7 @@ typedef struct km_surface_curves km_surface_curves;
 /* Definition of a curve. */
 typedef struct km_surface_curve {
   km_curve_kind kind;
-  int column;   /* limit: the coordinate's column */
+  int column;   /* limit: the coordinate's column; clearance: the pair */
   double bound; /* limit: its value, of the state's coordinate */
 } km_surface_curve;
 

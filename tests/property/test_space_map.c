@@ -2,10 +2,12 @@
 #include "support/support.h"
 
 #include "base/random.h"
+#include "kmech/clearance.h"
 #include "kmech/space.h"
 #include "model/model.h"
 
-enum { WORKSPACES = 12 };
+enum { WORKSPACES = 12, TRIALS = 4 };
+static const double ball = 0.01; /* radius of the spheres */
 
 /* A five-bar: cranks of lengths a and d on the pins (0, 0) and (1, 0), rods of lengths b and c between their ends and
  * the point P. Joints A, E: cranks; B, D: their ends; C: P. */
@@ -13,21 +15,36 @@ typedef struct five_bar {
   double crank[2][2], P[2]; /* ends of the cranks, and P, as drawn */
 } five_bar;
 
-static fixture build(const five_bar *b) {
-  km_text text = {0};
+/* With a sphere at the point, and a post there, if its place isn't NULL. */
+static fixture build_with(const five_bar *b, const double *post) {
+  km_text text = {0}, shape = {0}, body = {0}, joint = {0};
+  if (post) {
+    km_text_format(&shape, ", \"shapes\": [{\"sphere\": %g, \"T\": [%.17g, %.17g, 0]}]", ball, b->P[0], b->P[1]);
+    km_text_format(&body, ", {\"name\": \"post\", \"shapes\": [{\"sphere\": %g, \"T\": [%.17g, %.17g, 0]}]}", ball,
+                   post[0], post[1]);
+    km_text_format(&joint, ",{\"name\": \"F\", \"type\": \"rigid\", \"body_frame_pairs\": [\"fixed\", \"post\"]}");
+  }
   km_text_format(&text,
                  "{\"assemblies\": [{\"name\": \"a\", \"drawn\": \"assembled\", \"bodies\": [{\"name\": \"b1\"}, "
-                 "{\"name\": \"b2\", \"frames\": [{\"name\": \"P\", \"T\": [%.17g, %.17g, 0]}]}, "
-                 "{\"name\": \"b3\"}, {\"name\": \"b4\"}], \"joints\": ["
+                 "{\"name\": \"b2\", \"frames\": [{\"name\": \"P\", \"T\": [%.17g, %.17g, 0]}]%s}, "
+                 "{\"name\": \"b3\"}, {\"name\": \"b4\"}%s], \"joints\": ["
                  "{\"name\": \"A\", \"type\": \"revolute\", \"bodies\": [\"fixed\", \"b1\"], \"at\": [0, 0]},"
                  "{\"name\": \"B\", \"type\": \"revolute\", \"bodies\": [\"b1\", \"b2\"], \"at\": [%.17g, %.17g]},"
                  "{\"name\": \"C\", \"type\": \"revolute\", \"bodies\": [\"b2\", \"b3\"], \"at\": [%.17g, %.17g]},"
                  "{\"name\": \"D\", \"type\": \"revolute\", \"bodies\": [\"b4\", \"b3\"], \"at\": [%.17g, %.17g]},"
-                 "{\"name\": \"E\", \"type\": \"revolute\", \"bodies\": [\"fixed\", \"b4\"], \"at\": [1, 0]}]}]}",
-                 b->P[0], b->P[1], b->crank[0][0], b->crank[0][1], b->P[0], b->P[1], b->crank[1][0], b->crank[1][1]);
+                 "{\"name\": \"E\", \"type\": \"revolute\", \"bodies\": [\"fixed\", \"b4\"], \"at\": [1, 0]}%s]}]}",
+                 b->P[0], b->P[1], post ? shape.data : "", post ? body.data : "", b->crank[0][0], b->crank[0][1],
+                 b->P[0], b->P[1], b->crank[1][0], b->crank[1][1], post ? joint.data : "");
   fixture f = fixture_read(text.data);
   km_text_free(&text);
+  km_text_free(&shape);
+  km_text_free(&body);
+  km_text_free(&joint);
   return f;
+}
+
+static fixture build(const five_bar *b) {
+  return build_with(b, NULL);
 }
 
 static five_bar random_five_bar(uint64_t *random) {
@@ -349,6 +366,66 @@ static void workspace_has_inverse_solutions(void **state) {
   }
 }
 
+/* The workspace of the point, which keeps a clearance if it isn't NaN. */
+static km_space_map workspace_of(const fixture *f, double least) {
+  const char *const path[] = {"b2", "P"};
+  const int drivers[2] = {coordinate(f, "A"), coordinate(f, "E")};
+  km_clearance *clearance = NULL;
+  km_all_modes modes;
+  km_space_map map;
+  km_space_map_def def = {.axis = {{drivers[0], -1.1, 1.3, 50}, {drivers[1], -1.1, 1.3, 50}},
+                          .has_point = true,
+                          .point_name = "P",
+                          .least_clearance = least};
+  km_poses_compute(f->mechanism, f->state);
+  if (isfinite(least))
+    assert_int_equal(km_clearance_create(f->mechanism, f->state, NULL, 0, &clearance, NULL), KM_OK);
+  def.clearance = clearance;
+  assert_int_equal(km_model_find_frame(f->model, path, 2, &def.frame, NULL), KM_OK);
+  assert_int_equal(km_map_modes_find(f->mechanism, f->state, drivers[0], drivers[1], 1, NULL, NULL, &modes, NULL),
+                   KM_OK);
+  assert_int_equal(km_space_map_compute(f->mechanism, f->state, &def, &modes, NULL, NULL, &map, NULL), KM_OK);
+  km_all_modes_free(&modes);
+  km_clearance_free(clearance);
+  return map;
+}
+
+/* A post within the largest circle of an aspect takes a disc out of the workspace, on whose edge the curves are. */
+static void a_post_takes_a_disc_out(void **state) {
+  (void)state;
+  uint64_t random = 9;
+  size_t points = 0;
+  for (int trial = 0; trial < TRIALS; ++trial) {
+    five_bar b = random_five_bar(&random);
+    fixture f = build(&b);
+    km_space_map plain = workspace_of(&f, nan(""));
+    const km_aspect_workspace *largest = &plain.workspaces[0];
+    for (int i = 1; i < plain.workspace_count; ++i)
+      largest = plain.workspaces[i].radius > largest->radius ? &plain.workspaces[i] : largest;
+    const double *post = largest->circle, radius = 0.5 * largest->radius;
+    fixture with_post = build_with(&b, post);
+    km_space_map map = workspace_of(&with_post, radius - 2.0 * ball);
+    for (size_t k = 0; k < km_table_rows(map.curves); ++k) {
+      if (cell(map.curves, k, "kind") != KM_CURVE_CLEARANCE)
+        continue;
+      double x = cell(map.curves, k, "point.P.x") - post[0], y = cell(map.curves, k, "point.P.y") - post[1];
+      assert_near(hypot(x, y), radius, 1e-9);
+      ++points;
+    }
+    assert_near(map.workspace_area, plain.workspace_area - M_PI * radius * radius, 1e-7);
+    assert_int_equal(map.hole_count, plain.hole_count + 1);
+    assert_int_equal(map.unbounded, 0);
+    for (size_t k = 0; k < km_table_rows(map.cells); ++k)
+      assert_true(hypot(cell(map.cells, k, "point.P.x") - post[0], cell(map.cells, k, "point.P.y") - post[1]) >=
+                  radius - 1e-9);
+    km_space_map_free(&map);
+    km_space_map_free(&plain);
+    fixture_close(&f);
+    fixture_close(&with_post);
+  }
+  assert_true(points > 100);
+}
+
 /* Drivers of different parts: an arm of two hinges in no loop, whose second link carries a four-bar that a crank
  * drives. The end of the arm moves as l1 l2 sin q2, and the four-bar on its own. */
 static void drivers_of_different_parts(void **state) {
@@ -472,6 +549,7 @@ int main(void) {
                                      cmocka_unit_test(cranks_and_rods_are_in_line_where_the_output_is_singular),
                                      cmocka_unit_test(workspace_has_inverse_solutions),
                                      cmocka_unit_test(order_and_sense_of_drivers_do_not_matter),
+                                     cmocka_unit_test(a_post_takes_a_disc_out),
                                      cmocka_unit_test(drivers_of_different_parts),
                                      cmocka_unit_test(refusals)};
   return cmocka_run_group_tests(tests, NULL, NULL);

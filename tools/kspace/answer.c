@@ -1,4 +1,4 @@
-/* Writing and printing the answer of a command. */
+/* What the commands share: --clearance, and writing and printing an answer. */
 #include "kspace/kspace.h"
 
 #include "kmech/data.h"
@@ -15,6 +15,21 @@ kt_exit kspace_write_csv(const kt_common *common, const char *base, const km_tab
   km_free(bytes);
   km_text_free(&out);
   return written;
+}
+
+kt_exit kspace_read_clearance(const kt_common *common, const char *text, const char *model, const kt_pose *pose,
+                              km_clearance **out, double *least) {
+  km_error error;
+  *out = NULL;
+  if (!text)
+    return KT_DONE;
+  if (!kt_number(text, least))
+    return kt_usage(common, "--clearance", text, "a length in the model's unit");
+  km_poses_compute(pose->mechanism, pose->state);
+  km_status status = km_clearance_create(pose->mechanism, pose->state, NULL, 0, out, &error);
+  if (status)
+    kt_print_message(common, KM_ERROR, "%s: %s", model, error.text);
+  return status ? kt_exit_of(status) : KT_DONE;
 }
 
 kt_exit kspace_deliver(const kt_common *common, const kt_formats *formats, const char *base, const kspace_answer *a) {

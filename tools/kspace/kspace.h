@@ -4,6 +4,7 @@
 
 #include "common/pose.h"
 
+#include "kmech/clearance.h"
 #include "kmech/data.h"
 
 kt_exit kspace_clearance(int argc, char **argv);
@@ -23,6 +24,11 @@ typedef struct kspace_answer {
  * and has no file. */
 kt_exit kspace_deliver(const kt_common *common, const kt_formats *formats, const char *base,
                        const kspace_answer *answer);
+
+/* Reads --clearance: the pairs of bodies at the pose, and the least clearance. NULL without the option; free `*out` in
+ * any case. */
+kt_exit kspace_read_clearance(const kt_common *common, const char *text, const char *model, const kt_pose *pose,
+                              km_clearance **out, double *least);
 
 /* Writes BASE.RESULT.csv. */
 kt_exit kspace_write_csv(const kt_common *common, const char *base, const km_table *table, const char *result);

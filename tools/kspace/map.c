@@ -3,6 +3,7 @@
 #include "kspace/map_answer.h"
 #include "kspace/map_figures.h"
 
+#include "kmech/clearance.h"
 #include "kmech/data.h"
 #include "kmech/inspect.h"
 #include "kmech/model.h"
@@ -16,7 +17,7 @@ enum { DEFAULT_STEPS = 100 };
 typedef struct options {
   kt_common common;
   kt_texts holds, sets, joints, ranges, steps;
-  const char *model, *base, *point, *format, *show; /* base: -o, or NULL */
+  const char *model, *base, *point, *format, *show, *clearance; /* base: -o, or NULL */
   int ask, limits, over_point, own;
   kt_formats formats;
 } options;
@@ -220,6 +221,10 @@ static kt_exit run(const options *o, const kt_pose *pose) {
     result = kspace_map_figures_create(&o->common, pose, (kspace_ask)o->ask, drivers, &figures);
     a.def.figures = figures.figures.count > 0 ? &figures.figures : NULL;
   }
+  km_clearance *clearance = NULL;
+  if (result == KT_DONE)
+    result = kspace_read_clearance(&o->common, o->clearance, o->model, pose, &clearance, &a.def.least_clearance);
+  a.def.clearance = clearance;
   if (result == KT_DONE && (o->show || o->over_point))
     result = check_picture(o, pose, &a.def);
   if (result == KT_DONE)
@@ -229,6 +234,7 @@ static kt_exit run(const options *o, const kt_pose *pose) {
   if (result == KT_DONE && is_partial(&a))
     result = KT_PARTIAL;
   kspace_map_figures_free(&figures);
+  km_clearance_free(clearance);
   km_space_map_free(&a.map);
   km_all_modes_free(&a.modes);
   return result;
@@ -259,6 +265,9 @@ kt_exit kspace_map(int argc, char **argv) {
        KT_TEXT_OF("csv or json or svg or pdf or png"), &o.format, KT_ABOUT_FILES},
       {"own", 0, NULL, "Follow the sheet of the pose only", KT_FLAG, &o.own, KT_ABOUT_MODEL},
       {"limits", 0, NULL, "Leave out cells beyond the joint limits", KT_FLAG, &o.limits, KT_ABOUT_MODEL},
+      {"clearance", 0, "X",
+       "Leave out cells in which bodies are nearer than X, in the model's length unit; the pairs are those of kspace clearance",
+       KT_TEXT, &o.clearance, KT_ABOUT_MODEL},
       KT_SET(&o.sets, "Start from another pose: move a joint to a value"),
       KT_HOLD(&o.holds, KT_HOLD_RIGID),
       KT_POSE(o.common),
@@ -276,7 +285,7 @@ kt_exit kspace_map(int argc, char **argv) {
       "\vA row of the grid has the configuration, all mobility numbers, and the smallest singular values of the input "
       "(the Jacobian of the closure without the drivers' columns) and of the closure. --point adds the smallest singular "
       "value and the manipulability of the point's Jacobian by the drivers, the curves on which it is singular, and the "
-      "ends of ranges and limits; its workspace has area, holes and an outline by kind, and for each aspect (a part "
+      "ends of ranges, limits and the least clearance; its workspace has area, holes and an outline by kind, and for each aspect (a part "
       "without a singularity of drivers or point) area, largest circle and largest rectangle. --ask advantage takes input "
       "and output of the model's analysis.mechanical_advantage; --ask forces the model's loads, and its "
       "analysis.actuators, else the drivers; --ask clearance the pairs of kspace clearance. The curves are followed by "
@@ -284,7 +293,7 @@ kt_exit kspace_map(int argc, char **argv) {
       "modes may lack some, and so the sheets; the outline of the workspace isn't closed, or leaves grid points outside; or "
       "Ctrl-C ended the work: the finished sheets and the curves found so far are written. Other numbers of freedoms than two are refused. JSON keys "
       "beside those of every record: drivers (joint, from, to, steps), complete, reason (as that of modes), modes, sheets, aspects, curves, workspace "
-      "(point, area, holes, gap, outside, aspects: aspect, area, circle, radius, rectangle, width, height), columns and "
+      "(point, area, holes, gap, outside, checked, aspects: aspect, area, circle, radius, rectangle, width, height), columns and "
       "rows of the grid.",
       argc, argv);
   kt_pose pose;

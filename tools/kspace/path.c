@@ -93,18 +93,10 @@ static bool keeps_clearance(void *context, const km_mechanism *mechanism, const 
 
 /* Prepares the condition of --clearance. Free the clearance and the pairs in any case. */
 static kt_exit read_clearance(const options *o, const kt_pose *pose, kept_clearance *out) {
-  km_error error;
   *out = (kept_clearance){0};
-  if (!o->clearance)
-    return KT_DONE;
-  if (!kt_number(o->clearance, &out->least))
-    return kt_usage(&o->common, "--clearance", o->clearance, "a length in the model's unit");
-  km_poses_compute(pose->mechanism, pose->state);
-  km_status status = km_clearance_create(pose->mechanism, pose->state, NULL, 0, &out->clearance, &error);
-  if (status)
-    kt_print_message(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
+  kt_exit result = kspace_read_clearance(&o->common, o->clearance, o->model, pose, &out->clearance, &out->least);
   out->pairs = KM_NEW(km_pair_clearance, (size_t)km_clearance_pair_count(out->clearance) + 1);
-  return status ? kt_exit_of(status) : out->pairs ? KT_DONE : KT_NO_MEMORY;
+  return result || out->pairs ? result : KT_NO_MEMORY;
 }
 
 /* ---- Files. */

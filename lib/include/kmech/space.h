@@ -4,6 +4,7 @@
 #define KMECH_SPACE_H
 
 #include "kmech/base.h"
+#include "kmech/clearance.h"
 #include "kmech/data.h"
 #include "kmech/mechanism.h"
 
@@ -126,11 +127,12 @@ enum {
 
 /* Kind of a curve on the surface of configurations. */
 typedef enum km_curve_kind {
-  KM_CURVE_INPUT,  /* singularity: the drivers don't determine the motion, bodies move although both stay */
-  KM_CURVE_OUTPUT, /* singularity: the point can't move in some direction of its plane */
-  KM_CURVE_LIMIT   /* a driver is at an end of its range, or a joint at a limit */
+  KM_CURVE_INPUT,    /* singularity: the drivers don't determine the motion, bodies move although both stay */
+  KM_CURVE_OUTPUT,   /* singularity: the point can't move in some direction of its plane */
+  KM_CURVE_LIMIT,    /* a driver is at an end of its range, or a joint at a limit */
+  KM_CURVE_CLEARANCE /* two bodies have the least clearance */
 } km_curve_kind;
-/* Returns "input", "output", "limit"; "" for another value. */
+/* Returns "input", "output", "limit", "clearance"; "" for another value. */
 KM_API const char *km_curve_kind_name(km_curve_kind kind);
 
 /* One axis of a map: a driver and the grid of its values. */
@@ -160,6 +162,9 @@ typedef struct km_space_map_def {
   bool own_sheet;                /* only sheets of the given modes; else also those that meet their curves */
   bool within_limits;            /* cells outside the joint limits are left out; they are followed all the same */
   const km_map_figures *figures; /* further columns; NULL: none */
+  const km_clearance *clearance; /* cells in which a pair of bodies is nearer than `least_clearance` are left out, and
+                                  * curves bound them; NULL: none */
+  double least_clearance;        /* model's unit */
 } km_space_map_def;
 
 /* The places that the point reaches in an aspect, without a singularity. */

@@ -284,7 +284,8 @@ static void draw_curves(map_picture *p, const km_frame *frame) {
                                       fabs(row[p->curve_x] - before[p->curve_x]) > 0.25 * (p->x_high - p->x_low) ||
                                       fabs(row[p->curve_y] - before[p->curve_y]) > 0.25 * (p->y_high - p->y_low)));
     if (is_new && count > 1) {
-      bool is_output = before[1] == KM_CURVE_OUTPUT, is_limit = before[1] == KM_CURVE_LIMIT;
+      bool is_output = before[1] == KM_CURVE_OUTPUT,
+           is_limit = before[1] == KM_CURVE_LIMIT || before[1] == KM_CURVE_CLEARANCE;
       const double dash[] = {3.0, 2.0};
       const km_pen halo = {.colour = {1, 1, 1, 0.8}, .width = 2.6},
                    pen = {.colour = is_output  ? (km_colour){0.80, 0.10, 0.10, 1}
@@ -379,14 +380,16 @@ static void draw_page(map_picture *p, int columns, double width) {
   km_text about = {0};
   km_canvas_text(p->canvas, &title, ink, p->look->title ? p->look->title : "Map", (km_canvas_point){margin, margin},
                  (km_anchor){0, 0, 0});
-  bool has_curve[3] = {false};
+  bool has_curve[KM_CURVE_CLEARANCE + 1] = {false};
   for (size_t r = 0; r < km_table_rows(p->map->curves); ++r)
     has_curve[(int)km_table_row(p->map->curves, r)[1]] = true;
   int parts = p->part == 2 ? p->map->sheet_count : p->map->aspect_count;
   km_text_format(&about, "%s%s%svalues beyond the colours have those of the ends%s",
                  has_curve[KM_CURVE_INPUT] ? "black: the drivers are singular, on all sheets · " : "",
                  has_curve[KM_CURVE_OUTPUT] ? "red, dashed: the point can't move in some direction · " : "",
-                 has_curve[KM_CURVE_LIMIT] ? "grey: an end of a range or a limit · " : "",
+                 has_curve[KM_CURVE_LIMIT] || has_curve[KM_CURVE_CLEARANCE]
+                     ? "grey: an end of a range, a limit or the least clearance · "
+                     : "",
                  parts > p->panels ? " · further parts are in the table" : "");
   km_canvas_words(p->canvas, &subtitle, grey, &about, (km_canvas_point){margin, margin + 18}, (km_anchor){0, 0, 0});
   for (int panel = 0; panel < p->panels; ++panel)
