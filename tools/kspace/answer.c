@@ -1,4 +1,4 @@
-/* What the commands share: --clearance, and writing and printing an answer. */
+/* Clearance to keep, and the forms of an answer: code that the commands share. */
 #include "kspace/kspace.h"
 
 #include "kmech/data.h"
