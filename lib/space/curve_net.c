@@ -144,6 +144,10 @@ static double within_unit(double u) {
   return fmin(fmax(u, 0.0), 1.0);
 }
 
+static bool is_within(const segment_part *part, double u) {
+  return u >= part->from - beyond_end && u <= part->to + beyond_end;
+}
+
 /* Adds the cuts where two parts of segments cross; parts that may cross more than once are halved. */
 static void cut_parts(const km_curve_net *net, segment_part a, segment_part b, int halvings, cut_list *list) {
   double x[2][4], y[2][4], dx[2][3], dy[2][3], u, v;
@@ -153,8 +157,8 @@ static void cut_parts(const km_curve_net *net, segment_part a, segment_part b, i
   bernstein(b.segment->y, b.from, b.to, y[1], dy[1]);
   if (!boxes_meet(x, beyond_end * net->size) || !boxes_meet(y, beyond_end * net->size))
     return;
-  bool is_found = cross_once(dx, dy) && find_crossing(&a, &b, &u, &v);
-  if (is_found && fabs(u - 0.5) <= 0.5 + beyond_end && fabs(v - 0.5) <= 0.5 + beyond_end) {
+  bool is_found = cross_once(dx, dy) && find_crossing(&a, &b, &u, &v) && is_within(&a, u) && is_within(&b, v);
+  if (is_found) {
     add_cut(list, a.segment->piece, parameter(net, a.segment, within_unit(u)));
     add_cut(list, b.segment->piece, parameter(net, b.segment, within_unit(v)));
   }

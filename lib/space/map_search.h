@@ -20,6 +20,7 @@ typedef struct km_map_search {
   km_surface_curves *curves;
   km_arena arena;
   int last_sheet;                 /* number of the newest sheet */
+  size_t left_points;             /* points of curves from whose sides sheets were followed */
   int across, down;               /* grid points along both drivers */
   double *before;                 /* [saved_size] start of a step */
   double *saved, *N;              /* [cell][saved_size], [cell][2 · columns] */
@@ -36,7 +37,7 @@ typedef struct km_map_search {
   double *K;                         /* [columns²] workspace */
   int *row;                          /* [columns] workspace */
   int aspect_count;                  /* aspects of all sheets so far */
-  double curve_reach;                /* largest distance of a curve from the grid point that leads to it */
+  double curve_reach;                /* grid points nearer to a known curve don't look for another */
   bool is_ended;                     /* the caller's figures end the map */
   km_state *at;                      /* state for the caller's figures; NULL: none */
   km_space_map *out;
@@ -47,7 +48,7 @@ km_status km_map_report(const km_map_search *g, double part, km_error *error);
 /* Moves the state from a configuration to the grid point nearest to it. *sign: that of det A; N: workspace for the
  * tangents. Returns the cell; −1: it isn't reached. */
 int km_map_enter_grid(km_map_search *g, int *sign, double *N);
-/* The configuration that a sheet has at a cell, the state's; NULL: none, full turns of hinges left out. */
+/* The state's configuration among those that sheets have at a cell, but for full turns of hinges; NULL: it isn't. */
 km_known_configuration *km_map_find_known(const km_map_search *g, int cell);
 /* Adds the tables' columns. False when out of memory. */
 bool km_map_add_columns(km_map_search *g);

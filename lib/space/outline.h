@@ -16,7 +16,7 @@
 typedef struct km_outline_point {
   double place[2];
   double rate[2]; /* derivative of the place by the length of the curve in the configuration space */
-  double length;  /* length of the curve from this point to the next; 0 at the last one of a piece */
+  double length;  /* length of the curve from this point to the next; not used at the last one of a piece */
 } km_outline_point;
 
 /* A part of a curve whose sides don't change. */

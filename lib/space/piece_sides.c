@@ -169,7 +169,7 @@ static void find_sides(km_workspace_search *w, int piece) {
 typedef struct piece_end {
   int piece;
   bool is_last;
-  double angle; /* angle of its direction away from the vertex, in the tangent plane (τ, ν) of the vertex' first end */
+  double angle; /* direction away from the vertex, in the tangent plane (τ, ν) of the first end; NaN: singular */
 } piece_end;
 
 static const km_curve_point *end_point(const km_workspace_search *w, const piece_end *e) {
@@ -202,7 +202,7 @@ static int gather_vertex(km_workspace_search *w, piece_end *ends, int count, int
     double sense = at.is_last ? -1.0 : 1.0;
     at.angle = is_regular ? atan2(sense * km_dot(other->tangent, w->nu, f->columns),
                                   sense * km_dot(other->tangent, p->tangent, f->columns))
-                          : 0.0;
+                          : nan("");
     ends[i] = ends[end];
     ends[end++] = at;
   }
@@ -234,7 +234,7 @@ static bool join_sides(km_workspace_search *w, km_piece_side *a, km_piece_side *
 /* Joins the sides around the vertex of ends[first] to ends[end − 1]. */
 static bool join_around(km_workspace_search *w, const piece_end *ends, int first, int end) {
   bool is_changed = false;
-  for (int i = first; i < end; ++i) {
+  for (int i = first; i < end && !isnan(ends[first].angle); ++i) {
     const piece_end *next = &ends[i + 1 < end ? i + 1 : first];
     is_changed = join_sides(w, side_of(w, &ends[i], true), side_of(w, next, false)) || is_changed;
   }

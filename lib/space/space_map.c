@@ -1,4 +1,5 @@
-/* Maps over two drivers (docs/theory.md 4.19): one sheet for each assembly mode, followed from cell to cell.
+/* Maps over two drivers (docs/theory.md 4.19): sheets from modes, random configurations and curves, followed from cell
+ * to cell.
  *
  *   predictor : dq = −A⁻¹ B du from a neighbour;   corrector: Newton's method with the drivers fixed
  *   accepted  : first correction ≤ 0.3 |dq|, and det A keeps its sign; else the step is halved */
@@ -25,7 +26,8 @@ static const double most_mismatch = 0.05;    /* part of a step by which its tang
 static const double leaving_distance = 0.05; /* distance of a start from its singularity curve */
 static const double same_turn = 1e-6; /* difference of angles and configurations that are one but for full turns */
 static const double least_correction = 1e-9; /* corrections below this are rounding */
-static const double most_reach = 0.1; /* largest distance of a curve from grid points that don't look for another */
+static const double most_reach =
+    0.1; /* largest one of grid points to a known curve for which they don't look for another */
 
 /* Value of an axis at a grid point, scaled. */
 static double axis_value(const km_map_search *g, int axis, int i) {
@@ -167,25 +169,29 @@ static int across_seam(km_map_search *g, int cell, int axis) {
                                                                                                                : -1;
 }
 
-/* True if the step between two neighbours keeps the sign of det (J; G). Where the cubic over the step doesn't show it,
- * the step is followed: two curves may cross one, where they cross each other. */
+/* True if the step between two neighbours leads from one configuration to the other without a root of det (J; G). The
+ * tangents and the cubic of det (J; G) show that, or the step is followed: two curves may cross the step near the place
+ * where they cross each other. */
 static bool is_one_aspect(km_map_search *g, int cell, int next) {
+  km_driver_surface *f = &g->f;
   if (!g->is_written[next] || g->output_sign[next] != g->output_sign[cell])
     return false;
-  if (g->f.frame < 0)
+  bool has_point = f->frame >= 0;
+  int axis = abs(next - cell) == 1 ? 0 : 1;
+  double sense = next > cell ? 1.0 : -1.0, step = sense * (axis_value(g, axis, 1) - axis_value(g, axis, 0));
+  const double du[2] = {axis == 0 ? step : 0.0, axis == 1 ? step : 0.0};
+  size_t columns = 2 * (size_t)f->columns;
+  const double *saved = g->saved + (size_t)cell * f->saved_size, *there = g->saved + (size_t)next * f->saved_size;
+  const double *D = g->output + (has_point ? 3 * (size_t)cell : 0),
+               *D_there = g->output + (has_point ? 3 * (size_t)next : 0);
+  double sign = D[0] < 0.0 ? -1.0 : 1.0;
+  km_driver_surface_restore(f, there);
+  if (is_smooth(g, saved, g->N + (size_t)cell * columns, g->N + (size_t)next * columns, du) &&
+      (!has_point ||
+       (has_sign(sign, D[0], sense * D[1 + axis]) && has_sign(sign, D_there[0], -sense * D_there[1 + axis]))))
     return true;
-  const double *from = g->output + 3 * (size_t)cell, *to = g->output + 3 * (size_t)next;
-  int axis = abs(next - cell) == 1 ? 1 : 2;
-  double sense = next > cell ? 1.0 : -1.0, sign = from[0] < 0.0 ? -1.0 : 1.0;
-  double step = sense * (axis_value(g, axis - 1, 1) - axis_value(g, axis - 1, 0));
-  const double du[2] = {axis == 1 ? step : 0.0, axis == 2 ? step : 0.0};
-  size_t saved = g->f.saved_size, columns = 2 * (size_t)g->f.columns;
-  km_driver_surface_restore(&g->f, g->saved + (size_t)next * saved);
-  if (is_smooth(g, g->saved + (size_t)cell * saved, g->N + (size_t)cell * columns, g->N + (size_t)next * columns, du) &&
-      has_sign(sign, from[0], sense * from[axis]) && has_sign(sign, to[0], -sense * to[axis]))
-    return true;
-  g->kept_sign = (int)sign;
-  bool is_kept = reach(g, cell, next, g->edge_N);
+  g->kept_sign = has_point ? (int)sign : 0;
+  bool is_kept = reach(g, cell, next, g->edge_N) && km_driver_surface_difference(f, there, f->step) < same_turn;
   g->kept_sign = 0;
   return is_kept;
 }
@@ -272,7 +278,6 @@ static bool record(km_map_search *g, int sheet, int cell, int sign, int *tail) {
   return is_ok;
 }
 
-/* Moves the state from a mode to the grid point nearest to it. Returns the cell; −1: it isn't reached. */
 int km_map_enter_grid(km_map_search *g, int *sign, double *N) {
   int at[2];
   for (int d = 0; d < 2; ++d) {
@@ -318,7 +323,7 @@ static bool add_exceeded_limits(km_map_search *g, int cell) {
     km_driver_surface_restore(&g->f, saved);
     double q = km_driver_surface_limited_value(f, k), low = km_driver_surface_low(f, k),
            high = km_driver_surface_high(f, k);
-    const km_surface_curve limit = {KM_CURVE_LIMIT, k, q > high ? high : low};
+    const km_surface_curve limit = {.kind = KM_CURVE_LIMIT, .column = k, .bound = q > high ? high : low};
     if (q > high || q < low)
       is_ok = km_surface_curves_add(g->curves, &limit, saved, g->curve_reach);
   }
@@ -330,7 +335,7 @@ static bool add_near_pairs(km_map_search *g, int cell, int neighbour) {
   km_driver_surface *f = &g->f;
   bool is_ok = true;
   for (int pair = 0; is_ok && pair < km_kept_clearance_count(&f->kept); ++pair) {
-    const km_surface_curve curve = {KM_CURVE_CLEARANCE, pair, f->kept.least};
+    const km_surface_curve curve = {.kind = KM_CURVE_CLEARANCE, .column = pair, .bound = f->kept.least};
     km_driver_surface_restore(f, g->saved + (size_t)neighbour * f->saved_size);
     km_kept_clearance_update(&f->kept, f->m, f->s);
     if (km_kept_clearance_excess(&f->kept, pair) < 0.0)
@@ -345,8 +350,11 @@ static bool add_limits(km_map_search *g, int cell) {
   bool is_ok = true;
   for (int d = 0; is_ok && g->f.frame >= 0 && d < 2; ++d) {
     const km_space_axis *a = &g->def->axis[d];
-    const km_surface_curve limit = {KM_CURVE_LIMIT, g->f.control[d],
-                                    (at[d] == 0 ? a->from : a->to) * g->f.m->factor[a->coordinate]};
+    double bound = (at[d] == 0 ? a->from : a->to) * g->f.m->factor[a->coordinate];
+    const km_surface_curve limit = {.kind = KM_CURVE_LIMIT,
+                                    .column = g->f.control[d],
+                                    .bound = bound,
+                                    .is_signed = bound < 0.0 && g->f.m->model->coordinates[a->coordinate].is_strut};
     if ((at[d] == 0 || at[d] == last[d]) && g->is_written[cell] && axis_ends(g, d))
       is_ok = km_surface_curves_add(g->curves, &limit, g->saved + (size_t)cell * g->f.saved_size, g->curve_reach);
   }
@@ -378,11 +386,11 @@ km_status km_map_report(const km_map_search *g, double part, km_error *error) {
 static km_status follow_sheet(km_map_search *g, int sheet, int least, km_error *error) {
   const km_surface_curve input = {.kind = KM_CURVE_INPUT}, output = {.kind = KM_CURVE_OUTPUT};
   int cells = g->across * g->down, tail = 0, sign;
-  memset(g->sign, 0, (size_t)cells);
-  memset(g->is_written, 0, (size_t)cells * sizeof *g->is_written);
   int first = km_map_enter_grid(g, &sign, g->start_N);
   if (first < 0 || km_map_find_known(g, first))
     return KM_OK;
+  memset(g->sign, 0, (size_t)cells);
+  memset(g->is_written, 0, (size_t)cells * sizeof *g->is_written);
   if (!record(g, sheet, first, sign, &tail))
     return not_recorded(g, error);
   for (int head = 0; head < tail; ++head) {
@@ -401,8 +409,11 @@ static km_status follow_sheet(km_map_search *g, int sheet, int least, km_error *
   for (int i = 0; i < tail; ++i)
     if (!add_limits(g, g->queue[i]))
       return no_memory(error);
-  if (tail < least)
-    return KM_OK; /* grid points at the edge of another sheet */
+  if (tail < least) { /* grid points at the edge of another sheet, which may reach them */
+    for (int i = 0; i < tail; ++i)
+      g->known[g->queue[i]] = g->known[g->queue[i]]->next;
+    return KM_OK;
+  }
   ++g->out->sheet_count;
   g->last_sheet = sheet;
   return write_sheet(g, tail) ? KM_OK : no_memory(error);
@@ -503,9 +514,9 @@ static bool close_freely(km_map_search *g) {
 static km_status follow_sheets_of_curves(km_map_search *g, km_error *error) {
   km_status status = KM_OK;
   bool is_point = true;
-  for (size_t i = 0; !status && is_point; i += CURVE_STRIDE)
+  for (; !status && is_point; g->left_points += is_point ? CURVE_STRIDE : 0)
     for (int side = -1; !status && side <= 1; side += 2)
-      if (km_surface_curves_leave(g->curves, i, side * leaving_distance, &is_point) && close_freely(g))
+      if (km_surface_curves_leave(g->curves, g->left_points, side * leaving_distance, &is_point) && close_freely(g))
         status = follow_sheet(g, g->last_sheet + 1, LEAST_CELLS, error);
   return status;
 }
@@ -517,7 +528,7 @@ static bool close_at_random(km_map_search *g, int cell, uint64_t *random) {
   bool is_closed = false;
   int sign;
   for (int k = 0; k < f->columns; ++k)
-    f->step[k] = M_PI * km_uniform(random); /* a hinge's full turn; a slide's half turn of the size */
+    f->step[k] = M_PI * km_uniform(random); /* a hinge: a full turn; a slide: ±π sizes */
   for (int d = 0; d < 2; ++d)
     f->step[f->control[d]] = axis_value(g, d, at[d]) - scaled_value(g, d);
   km_driver_surface_move(f, f->step);
@@ -586,7 +597,13 @@ static km_status follow_sheets(km_map_search *g, const km_all_modes *modes, km_e
   if (status || modes->count == 0 || g->def->own_sheet)
     return status;
   status = follow_sheets_of_random_starts(g, home, error);
-  return status ? status : follow_sheets_of_curves(g, error);
+  for (int before = -1; !status && before < km_surface_curves_count(g->curves);) {
+    before = km_surface_curves_count(g->curves);
+    status = add_crossing_curves(g, error);
+    if (!status)
+      status = follow_sheets_of_curves(g, error);
+  }
+  return status;
 }
 
 /* Finds sheets, curves and the workspace. */

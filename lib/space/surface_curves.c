@@ -32,7 +32,7 @@ static const double converged = 3e-7;          /* last correction: the one after
 static const double longest_correction = 0.02; /* a longer one, of (q, z), leads to another curve */
 static const double beside_branch = 1e-6;      /* part of a step: at the branch itself M is singular */
 static const double longest_start_step = 1.0;  /* step to a curve: radians, sizes, ranges of the number */
-static const double same_curve = 1e-5;         /* distance from a curve's interpolant, whose error is 1e-7 */
+static const double same_curve = 1e-5;         /* distance from a curve's interpolant, whose error is 1e-9 */
 static const double foot_converged = 1e-6;     /* part of the chord */
 
 /* Functions whose roots are located along a curve. */
@@ -195,9 +195,13 @@ static double fill_bound_row(km_surface_curves *v, double *row) {
     km_driver_surface_add_clearance_row(f, column, row);
     return km_kept_clearance_excess(&f->kept, column) / f->size;
   }
-  km_driver_surface_add_limited_row(f, column, row);
-  double unit = f->m->unit[km_driver_surface_coordinate(f, column)];
-  return (km_driver_surface_limited_value(f, column) - v->of.bound) / unit;
+  int c = km_driver_surface_coordinate(f, column);
+  if (v->of.is_signed)
+    row[column] = 1.0;
+  else
+    km_driver_surface_add_limited_row(f, column, row);
+  double value = v->of.is_signed ? f->s->q[c] : km_driver_surface_limited_value(f, column);
+  return (value - v->of.bound) / f->m->unit[c];
 }
 
 /* Fills M and R at the state's configuration and z; the last row of M is `last`. */
@@ -282,8 +286,11 @@ static void save_point(km_surface_curves *v, curve_point *to) {
 }
 
 static void restore_point(km_surface_curves *v, const curve_point *from) {
+  double size = km_norm(from->z, v->vector);
   km_driver_surface_restore(v->f, from->saved);
   memcpy(v->z, from->z, (size_t)v->vector * sizeof *v->z);
+  for (int j = 0; j < v->vector; ++j)
+    v->c[j] = v->z[j] / (size * size);
   memcpy(v->t, from->t, (size_t)v->unknowns * sizeof *v->t);
 }
 
@@ -291,9 +298,6 @@ static void restore_point(km_surface_curves *v, const curve_point *from) {
 static bool step(km_surface_curves *v, double h, double *first) {
   km_driver_surface *f = v->f;
   restore_point(v, &v->from);
-  double size = km_norm(v->z, v->vector);
-  for (int j = 0; j < v->vector; ++j)
-    v->c[j] = v->z[j] / (size * size);
   for (int k = 0; k < f->columns; ++k)
     f->step[k] = h * v->t[k];
   if (!km_driver_surface_move(f, f->step))
@@ -553,7 +557,7 @@ static bool move_to_curve(km_surface_curves *v) {
 }
 
 static bool is_same_curve(const km_surface_curve *a, const km_surface_curve *b) {
-  return a->kind == b->kind && a->column == b->column && a->bound == b->bound;
+  return a->kind == b->kind && a->column == b->column && a->bound == b->bound && a->is_signed == b->is_signed;
 }
 
 /* Distance of the state from the Hermite interpolant between two points of a curve, from which it differs by the steps

@@ -13,8 +13,9 @@ typedef struct km_surface_curves km_surface_curves;
 /* Definition of a curve. */
 typedef struct km_surface_curve {
   km_curve_kind kind;
-  int column;   /* limit: the coordinate's column; clearance: the pair */
-  double bound; /* limit: its value, of the state's coordinate */
+  int column;     /* limit: the coordinate's column; clearance: the pair */
+  double bound;   /* limit: its value, of the state's coordinate */
+  bool is_signed; /* limit: a strut's is of its coordinate, as in the range of a driver, else of its length */
 } km_surface_curve;
 
 /* A point of a curve. */
@@ -31,8 +32,8 @@ typedef struct km_curve_point {
  * with an output the x y z of its point. NULL when out of memory. */
 km_surface_curves *km_surface_curves_create(km_driver_surface *surface, km_table *table);
 void km_surface_curves_free(km_surface_curves *curves);
-/* Adds the curve nearest to the saved configuration, unless it is in the table. `reach`: largest distance of the curve.
- * False when out of memory. */
+/* Adds the curve nearest to the saved configuration, unless it is in the table. Nothing is done where a known point of
+ * such a curve is nearer to the configuration than `reach` + 0.02. False when out of memory. */
 bool km_surface_curves_add(km_surface_curves *curves, const km_surface_curve *of, const double *saved, double reach);
 /* Moves the surface from point i of a curve of the drivers to its side, by `distance` along z; the loops are then open.
  * False for another kind of curve. *is_point: there is a point i. */

@@ -308,6 +308,8 @@ static km_status search(turning_search *g, const km_all_modes *modes, km_progres
   for (int i = 1; !status && i < modes->count; ++i) {
     km_driver_surface_restore(&g->f, own);
     status = km_state_set_coordinates(m, g->f.s, modes->coordinates + (size_t)i * (size_t)m->coordinate_count, error);
+    if (!status)
+      km_driver_surface_restart(&g->f);
     km_driver_surface_save(&g->f, start);
     if (!status)
       status = search_from(g, start, progress, context, error);

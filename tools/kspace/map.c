@@ -153,7 +153,7 @@ static void print_map(const void *context, km_text *out) {
   kspace_print_map(a->pose->model, a->o->model, &a->def, &a->modes, &a->map, out);
 }
 
-/* True if modes may lack, or curves of the outline. */
+/* True if the list of modes may lack some, or the outline lacks curves. */
 static bool is_partial(const map_answer *a) {
   return !a->modes.is_complete || (a->def.has_point && (!isfinite(a->map.workspace_area) || a->map.unbounded > 0));
 }

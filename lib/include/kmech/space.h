@@ -155,12 +155,12 @@ typedef struct km_map_figures {
 
 /* Definition of a map. */
 typedef struct km_space_map_def {
-  km_space_axis axis[2];         /* the drivers, of one part of the mechanism or of two */
-  bool has_point;                /* the map adds the place of a point of a planar mechanism */
-  int frame;                     /* its frame */
-  const char *point_name;        /* its name in columns: "body/frame" */
-  bool own_sheet;                /* only sheets of the given modes; else also those that meet their curves */
-  bool within_limits;            /* cells outside the joint limits are left out; they are followed all the same */
+  km_space_axis axis[2];  /* the drivers, of one part of the mechanism or of two */
+  bool has_point;         /* the map adds the place of a point of a planar mechanism */
+  int frame;              /* its frame */
+  const char *point_name; /* its name in columns: "body/frame" */
+  bool own_sheet;     /* only sheets of the given modes; else also those that their curves and random starts lead to */
+  bool within_limits; /* cells outside the joint limits are left out; they are followed all the same */
   const km_map_figures *figures; /* further columns; NULL: none */
   const km_clearance *clearance; /* cells in which a pair of bodies is nearer than `least_clearance` are left out, and
                                   * curves bound them; NULL: none */
@@ -179,9 +179,9 @@ typedef struct km_aspect_workspace {
 
 /* A map. */
 typedef struct km_space_map {
-  km_table *cells;  /* q. of both drivers, sheet (number of its mode), aspect, q. of the other coordinates, m. of every
-                     * coordinate, sigma.input, sigma.closure, with a point its x y z, sigma.output and manipulability,
-                     * then the figures: a row for each grid point that a sheet reaches */
+  km_table *cells;  /* q. of both drivers, sheet (number, modes first), aspect, q. of the other coordinates, m. of
+                     * every coordinate, sigma.input, sigma.closure, with a point its x y z, sigma.output and
+                     * manipulability, then the figures: a row for each grid point that a sheet reaches */
   km_table *curves; /* curve (number), kind (km_curve_kind), q. of every coordinate, with a point its x y z: points
                      * of singularity curves, ends of ranges and limits from end to end, or around a closed curve to its
                      * first point */
@@ -193,9 +193,10 @@ typedef struct km_space_map {
                         * loop by loop, the workspace on the left; NULL: no point */
   int hole_count;        /* loops around places that can't be reached */
   double workspace_area; /* area of the places that the point reaches; NaN: an outline doesn't close */
-  double gap;    /* longest gap of the outline, where a curve is missing and a straight line closes it; 0: none */
-  int unbounded; /* grid points whose place lies outside the outline: 0 unless a curve is missing */
-  int checked;   /* grid points of which that was checked, at most 2 000 */
+  double gap;            /* longest gap of the outline, where a curve is missing and a straight line closes it; 0: none;
+               * infinite: a loop doesn't close */
+  int unbounded;         /* grid points whose place lies outside the outline: 0 unless a curve is missing */
+  int checked;           /* grid points of which that was checked, at most 2 000 */
   km_aspect_workspace *workspaces; /* [workspace_count] by aspect */
   int workspace_count;             /* aspects; 0: no point */
 } km_space_map;
@@ -211,8 +212,8 @@ KM_API km_status km_map_modes_find(const km_mechanism *mechanism, const km_state
 /* Follows the configurations over a grid of two drivers, from each mode (km_map_modes_find) and from grid point to grid
  * point. A sheet ends at singular configurations of the drivers, where det A = 0, A the Jacobian's
  * columns of the other coordinates. sigma.input and sigma.closure are the smallest singular values of A and of J,
- * sigma.output and manipulability the smallest singular value and the product of both of the point's Jacobian G by the
- * drivers; lengths over the substructure's size. The curves det A = 0 that bound the sheets, and det G = 0 on them, are
+ * sigma.output and manipulability the smallest singular value and the product of both of the point's Jacobian D by the
+ * drivers; lengths over the substructure's size. The curves det A = 0 that bound the sheets, and det D = 0 on them, are
  * followed by continuation, each point to 1e-11; with a point also the ends of ranges, and its workspace is found. The
  * first mode is closed. Rods between two ball joints don't spin.
  * KM_USAGE: an axis is invalid or a ball joint's, the parts have not two freedoms beside such spins, or a point of a

@@ -69,6 +69,8 @@ static km_status add_modes(path_search *g, km_space_path *out, km_error *error) 
     int sign = 0;
     if (assemble_end(g, &is_closed) == KM_MEMORY)
       return no_memory(error);
+    if (is_closed)
+      km_driver_surface_stop_spins(&g->steps.f);
     bool is_known = !is_closed;
     for (int k = 0; k < t->count && !is_known; ++k)
       is_known = km_path_steps_difference(&g->steps, t->saved[k]) < mode_distance;
@@ -193,6 +195,9 @@ static km_status check_drivers(const km_mechanism *m, const km_space_path_def *d
     km_status status = km_check_index(def->drivers[d], m->coordinate_count, "coordinate", error);
     if (status)
       return status;
+    if (!def->to && !isfinite(def->to_drivers[d]))
+      return km_fail(error, KM_USAGE, "the end of joint \"%s\" is %g; expected a number",
+                     m->model->coordinates[def->drivers[d]].label, def->to_drivers[d]);
     for (int i = 0; i < d; ++i)
       if (def->drivers[i] == def->drivers[d])
         return km_fail(error, KM_USAGE, "joint \"%s\" drives the path twice",
