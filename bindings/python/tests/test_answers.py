@@ -367,6 +367,7 @@ def test_space_path(source):
     assert math.cos(path.table["q.A"][-1] - 2.9) == pytest.approx(1.0) and min(path.table["sigma.input"]) == pytest.approx(path.least_margin)
     assert path.smooth and path.motion["t"][-1] == 1.0 and path.motion["q.A"][-1] == pytest.approx(path.table["q.A"][-1])
     assert mechanism.space_path({"A": 1.57, "E": -1.57}).outcome == "end"
+    assert list(mechanism.space_path({"A": 0.0, "E": 0.0}).motion["q.A"]) == pytest.approx([0.0, 0.0])
     with pytest.raises(kmech.UsageError, match="as many drivers as freedoms"):
         mechanism.space_path({"A": 1.0})
 

@@ -34,7 +34,7 @@ static bool set_spline(path_curve *c) {
       c->u[d * c->knots + i] = driver_at(c, c->knot[i], d);
   }
   km_path_spline_free(&c->spline);
-  return km_path_spline_create(c->x, c->u, c->knots, c->drivers, &c->spline);
+  return km_path_spline_create(c->x, c->u, c->knots, c->drivers, true, &c->spline);
 }
 
 /* Tangent step from the state to the drivers at x. Returns its length. */

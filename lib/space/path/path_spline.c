@@ -4,12 +4,13 @@
 #include <gsl/gsl_errno.h>
 #include <math.h>
 
-bool km_path_spline_create(const double *x, const double *u, int count, int drivers, km_path_spline *out) {
+bool km_path_spline_create(const double *x, const double *u, int count, int drivers, bool is_smooth,
+                           km_path_spline *out) {
   *out = (km_path_spline){.drivers = drivers, .count = count, .x = x, .u = u};
   bool done = true;
   gsl_set_error_handler_off();
   for (int d = 0; done && d < drivers; ++d) {
-    out->of[d] = gsl_interp_alloc(count > 2 ? gsl_interp_cspline : gsl_interp_linear, (size_t)count);
+    out->of[d] = gsl_interp_alloc(is_smooth && count > 2 ? gsl_interp_cspline : gsl_interp_linear, (size_t)count);
     done = out->of[d] && gsl_interp_init(out->of[d], x, u + d * count, (size_t)count) == 0;
   }
   return done;

@@ -15,8 +15,10 @@ typedef struct km_path_spline {
   gsl_interp *of[KM_MAX_PATH_DRIVERS]; /* [drivers] */
 } km_path_spline;
 
-/* Splines through count >= 2 knots, which stay borrowed. Free in any case. False when out of memory. */
-bool km_path_spline_create(const double *x, const double *u, int count, int drivers, km_path_spline *out);
+/* Splines through count >= 2 knots, which stay borrowed; straight lines between them unless `is_smooth`. Free in any
+ * case. False when out of memory. */
+bool km_path_spline_create(const double *x, const double *u, int count, int drivers, bool is_smooth,
+                           km_path_spline *out);
 void km_path_spline_free(km_path_spline *spline);
 double km_path_spline_value(const km_path_spline *spline, int driver, double x);
 

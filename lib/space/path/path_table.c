@@ -58,7 +58,20 @@ static bool write_row(km_path_steps *g, const km_path_points *points, int point,
   return true;
 }
 
-/* The drivers at equal steps of time, none of which is longer than one of the path. */
+/* Rest at the only point of a path. */
+static bool write_rest(const km_path_steps *g, const km_space_path *out) {
+  for (int i = 0; i < 2; ++i) {
+    double *row = km_table_add_row(out->motion);
+    if (!row)
+      return false;
+    row[0] = i;
+    for (int d = 0; d < g->f.control_count; ++d)
+      row[1 + d] = km_table_row(out->table, 0)[1 + d];
+  }
+  return true;
+}
+
+/* The drivers at equal steps of time, none of which is longer than the mean one of the path. */
 static bool write_motion(const km_path_spline *spline, double length, km_table *motion) {
   int steps = 2 * (spline->count - 1), intervals = steps > LEAST_INTERVALS ? steps : LEAST_INTERVALS;
   for (int i = 0; i <= intervals; ++i) {
@@ -79,7 +92,7 @@ static bool interpolate(const km_path_steps *g, const km_path_points *points, km
   for (int i = 0; u && i < count; ++i)
     for (int d = 0; d < drivers; ++d)
       u[d * count + i] = km_table_row(out->table, (size_t)i)[1 + d];
-  bool done = u && km_path_spline_create(points->x, u, count, drivers, &spline) &&
+  bool done = u && km_path_spline_create(points->x, u, count, drivers, out->is_smooth, &spline) &&
               write_motion(&spline, out->length, out->motion);
   km_path_spline_free(&spline);
   return done;
@@ -92,5 +105,5 @@ bool km_path_table_write(km_path_steps *g, const km_path_points *points, km_aren
   for (int i = 0; i < points->count; ++i)
     if (!values || !write_row(g, points, i, values, out))
       return false;
-  return points->count < 2 || interpolate(g, points, arena, out);
+  return points->count < 2 ? write_rest(g, out) : interpolate(g, points, arena, out);
 }
