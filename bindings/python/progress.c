@@ -1,4 +1,4 @@
-/* Progress callback of Python: at most fifty times a second, so that its cost is negligible. */
+/* Progress callback of Python: after 20 ms of work at the earliest, so that its cost is negligible. */
 #include <kmech/kmech.h>
 
 #include <time.h>
@@ -22,11 +22,11 @@ static double seconds(void) {
 
 static bool kmech_progress(void *context, double done) {
   kmech_watch *watch = context;
-  double now = seconds();
-  if (now - watch->last < 0.02)
+  if (seconds() - watch->last < 0.02)
     return true;
-  watch->last = now;
-  return kmech_python_progress(watch->handle, done);
+  bool goes_on = kmech_python_progress(watch->handle, done);
+  watch->last = seconds(); /* the call may wait for other threads of Python */
+  return goes_on;
 }
 
 static km_progress kmech_progress_function(void) {
