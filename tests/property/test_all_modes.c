@@ -17,12 +17,6 @@ static km_all_modes all_modes(const fixture *f, const int *locked, int count, un
   return modes;
 }
 
-static int coordinate(const fixture *f, const char *label) {
-  int c;
-  assert_int_equal(km_model_find_coordinate(f->model, label, &c, NULL), KM_OK);
-  return c;
-}
-
 /* A planar platform on three legs, each with a slide between two hinges (3-RPR), at a random pose. The legs stand in
  * the order that `first` begins, and the whole is moved by `shift`. */
 typedef struct planar_platform {
@@ -66,7 +60,7 @@ static fixture build_platform(const planar_platform *p, int first, double shift)
 static void lock_legs(const fixture *f, int locked[3]) {
   const char *const legs[] = {"P0", "P1", "P2"};
   for (int k = 0; k < 3; ++k)
-    locked[k] = coordinate(f, legs[k]);
+    locked[k] = fixture_coordinate(f, legs[k]);
 }
 
 /* A planar platform has 6 complex assembly modes (C. Gosselin, J. Sefrioui 1991; K. H. Hunt 1983), of which an even
@@ -152,7 +146,7 @@ static int compare_numbers(const void *a, const void *b) {
 }
 
 static void sorted_angles(const fixture *f, const km_all_modes *modes, const char *label, double *out) {
-  int c = coordinate(f, label);
+  int c = fixture_coordinate(f, label);
   for (int i = 0; i < modes->count; ++i)
     out[i] = remainder(modes->coordinates[i * f->model->coordinate_count + c], 2.0 * M_PI);
   qsort(out, (size_t)modes->count, sizeof *out, compare_numbers);
@@ -224,7 +218,7 @@ static void two_bars_meet_in_two_points(void **state) {
     assert_true(modes.is_complete);
     assert_int_equal(modes.count, 2);
     /* The mirror image of the knee in the line of the pins: A turns by −2 atan2(y, x). */
-    assert_near(sin(modes.coordinates[3 + coordinate(&f, "A")]), sin(-2.0 * atan2(knee[1], knee[0])), 1e-9);
+    assert_near(sin(modes.coordinates[3 + fixture_coordinate(&f, "A")]), sin(-2.0 * atan2(knee[1], knee[0])), 1e-9);
     km_all_modes_free(&modes);
     km_text_free(&text);
     fixture_close(&f);
@@ -238,7 +232,7 @@ static void a_symmetric_platform_has_mirror_modes(void **state) {
   const char *const legs[] = {"P1", "P2", "P3", "P4", "P5", "P6"};
   int locked[6];
   for (int k = 0; k < 6; ++k)
-    locked[k] = coordinate(&f, legs[k]);
+    locked[k] = fixture_coordinate(&f, legs[k]);
   km_all_modes modes = all_modes(&f, locked, 6, 1);
   assert_true(modes.is_complete);
   assert_int_equal(modes.complex_solutions, 40);
@@ -274,7 +268,7 @@ static void struts_and_limits(void **state) {
       "\"e\", \"T\": [1, 0.1]}]}], \"joints\": [{\"name\": \"H\", \"type\": \"revolute\", \"bodies\": [\"fixed\", \"lid\"], "
       "\"at\": [0, 0]}], \"struts\": [{\"name\": \"g\", \"from\": \"fixed/f\", \"to\": \"lid/e\", \"planar\": true}]}]}";
   fixture f = fixture_read(lid);
-  int hinge = coordinate(&f, "H"), strut = coordinate(&f, "g");
+  int hinge = fixture_coordinate(&f, "H"), strut = fixture_coordinate(&f, "g");
   km_all_modes modes = all_modes(&f, &hinge, 1, 1);
   assert_true(modes.is_complete);
   assert_int_equal(modes.count, 1);
@@ -286,7 +280,7 @@ static void struts_and_limits(void **state) {
   fixture_close(&f);
   char *limited = edited(lid, "\"H\"", "\"at\": [0, 0]", "\"at\": [0, 0], \"limits\": [-0.5, 0.5]");
   f = fixture_read(limited);
-  strut = coordinate(&f, "g");
+  strut = fixture_coordinate(&f, "g");
   const km_all_modes_def def = {.locked = &strut, .locked_count = 1, .within_limits = true};
   assert_int_equal(km_all_modes_find(f.mechanism, f.state, &def, NULL, NULL, &modes, NULL), KM_OK);
   assert_int_equal(modes.count, 1);

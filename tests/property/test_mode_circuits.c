@@ -30,12 +30,6 @@ static void release(found *r) {
   km_all_modes_free(&r->modes);
 }
 
-static int coordinate(const fixture *f, const char *label) {
-  int c;
-  assert_int_equal(km_model_find_coordinate(f->model, label, &c, NULL), KM_OK);
-  return c;
-}
-
 /* ---- Six-bars: a four-bar of bodies 0 to 3, and two bars 4 and 5 between points of two of them. */
 
 enum { JOINTS = 7, STEPS = 10000, NODES = 4 * STEPS };
@@ -173,7 +167,7 @@ static int mode_at(const fixture *f, const found *r, const closed_form *c, int n
     for (int j = 0; j < JOINTS; ++j) {
       char label[16];
       snprintf(label, sizeof label, "J%d", j);
-      double q = r->modes.coordinates[i * f->model->coordinate_count + coordinate(f, label)];
+      double q = r->modes.coordinates[i * f->model->coordinate_count + fixture_coordinate(f, label)];
       worst = fmax(worst, fabs(remainder(q - c->angle[node][j], 2.0 * M_PI)));
     }
     if (worst < least) {
@@ -212,7 +206,7 @@ static void six_bars_as_followed_in_closed_form(void **state) {
     fixture f = build_six_bar(&c->bars);
     char label[8];
     snprintf(label, sizeof label, "J%d", now->driver);
-    int driver = coordinate(&f, label), crossings[32], mode[32];
+    int driver = fixture_coordinate(&f, label), crossings[32], mode[32];
     found r = find(&f, &driver, 1);
     int count = follow_closed_form(c, crossings, 32);
     if (!r.modes.is_complete || r.circuits.gap || count != r.modes.count)
@@ -276,7 +270,7 @@ static void four_bars_by_grashof(void **state) {
     if (is_grashof && shortest < fmin(length[0], length[3]))
       continue; /* a double rocker: the crank doesn't go round */
     fixture f = build_four_bar(h);
-    int driver = coordinate(&f, "J0");
+    int driver = fixture_coordinate(&f, "J0");
     found r = find(&f, &driver, 1);
     assert_int_equal(r.modes.count, 2);
     assert_int_equal(r.circuits.gap, KM_CIRCUIT_GAP_NONE);
@@ -297,7 +291,7 @@ static void branch_points_connect(void **state) {
   (void)state;
   const point h[4] = {0.0, at(0.4, 0.3), at(1.4, 0.3), 1.0};
   fixture f = build_four_bar(h);
-  int driver = coordinate(&f, "J0");
+  int driver = fixture_coordinate(&f, "J0");
   found r = find(&f, &driver, 1);
   assert_int_equal(r.modes.count, 2);
   assert_int_equal(r.circuits.count, 1);
@@ -313,7 +307,7 @@ static void branch_points_connect(void **state) {
 static void double_butterfly_has_four_circuits(void **state) {
   (void)state;
   fixture f = fixture_open("../tests/cli/models/butterfly_linkage");
-  int driver = coordinate(&f, "J");
+  int driver = fixture_coordinate(&f, "J");
   assert_int_equal(km_state_move_to(f.mechanism, f.state, &(km_hold){driver, 0.0}, 1, NULL), KM_OK);
   found r = find(&f, &driver, 1);
   const double first[] = {0.910841, 1.5848, 2.7582, 3.14048, 3.32632, 3.33573}; /* angle A of the modes in order */
@@ -322,7 +316,7 @@ static void double_butterfly_has_four_circuits(void **state) {
   assert_int_equal(r.modes.count, 6);
   assert_int_equal(r.circuits.count, 4);
   for (int i = 0; i < 6; ++i) {
-    double a = r.modes.coordinates[i * f.model->coordinate_count + coordinate(&f, "A")];
+    double a = r.modes.coordinates[i * f.model->coordinate_count + fixture_coordinate(&f, "A")];
     assert_near(a, first[i], 1e-5);
     assert_int_equal(r.circuits.circuit[i], circuit[i]);
   }
@@ -343,7 +337,7 @@ static void a_curve_ends_at_infinity(void **state) {
       "[0.3, 1], \"axis\": [0.3, 1]}, {\"name\": \"R\", \"type\": \"revolute\", \"bodies\": [\"block\", \"cart\"], "
       "\"at\": [0.3, 1]}, {\"name\": \"X\", \"type\": \"prismatic\", \"bodies\": [\"fixed\", \"cart\"], \"at\": [0.3, 1], "
       "\"axis\": [1, 0]}]}]}");
-  int driver = coordinate(&f, "X");
+  int driver = fixture_coordinate(&f, "X");
   found r = find(&f, &driver, 1);
   assert_int_equal(r.modes.count, 2);
   assert_int_equal(r.circuits.gap, KM_CIRCUIT_GAP_NONE);
@@ -368,7 +362,7 @@ static void other_freedoms(void **state) {
   const char *const legs[] = {"P1", "P2", "P3", "P4", "P5", "P6"};
   int locked[6];
   for (int k = 0; k < 6; ++k)
-    locked[k] = coordinate(&f, legs[k]);
+    locked[k] = fixture_coordinate(&f, legs[k]);
   r = find(&f, locked, 6);
   assert_int_equal(r.circuits.gap, KM_CIRCUIT_GAP_FREEDOMS);
   assert_int_equal(r.circuits.freedom, 6);
@@ -386,7 +380,7 @@ static void other_freedoms(void **state) {
   fixture_close(&f);
 
   f = fixture_open("rssr");
-  locked[0] = coordinate(&f, "B[0]");
+  locked[0] = fixture_coordinate(&f, "B[0]");
   r = find(&f, locked, 1);
   assert_int_equal(r.circuits.gap, KM_CIRCUIT_GAP_BALL);
   release(&r);

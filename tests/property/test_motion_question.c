@@ -32,12 +32,6 @@ static km_question *motion(fixture *f, int steps, double rate, const char *point
   return q;
 }
 
-static double cell(const km_table *t, size_t row, const char *column) {
-  int index = km_table_find(t, column);
-  assert_true(index >= 0);
-  return km_table_row(t, row)[index];
-}
-
 /* The piston of the slider-crank (crank r, rod l), x = r cos A + sqrt(l² − r² sin² A), for the rate ω. */
 static void slider_crank(void **unused) {
   (void)unused;
@@ -46,17 +40,17 @@ static void slider_crank(void **unused) {
   km_question *q = motion(&f, 120, w, "piston/origin");
   const km_table *t = km_question_table(q);
   for (size_t i = 0; i < km_table_rows(t); ++i) {
-    double A = cell(t, i, "q.A"), root = sqrt(l * l - r * r * sin(A) * sin(A)), sc = sin(A) * cos(A);
+    double A = table_cell(t, i, "q.A"), root = sqrt(l * l - r * r * sin(A) * sin(A)), sc = sin(A) * cos(A);
     double first = -r * sin(A) - r * r * sc / root;
     double second = -r * cos(A) - r * r * cos(2.0 * A) / root - pow(r, 4) * sc * sc / pow(root, 3);
-    assert_near(fabs(cell(t, i, "v.B")), fabs(w * first), 1e-10);
-    assert_near(fabs(cell(t, i, "a.B")), fabs(w * w * second), 1e-9);
-    assert_near(cell(t, i, "point.piston/origin.speed"), fabs(w * first), 1e-10);
-    assert_near(cell(t, i, "body.crank.wx"), w, 1e-12);
-    assert_near(cell(t, i, "body.piston.wx"), 0.0, 1e-12);
-    assert_near(cell(t, i, "t"), (cell(t, i, "s") - cell(t, 0, "s")) / w, 1e-14);
+    assert_near(fabs(table_cell(t, i, "v.B")), fabs(w * first), 1e-10);
+    assert_near(fabs(table_cell(t, i, "a.B")), fabs(w * w * second), 1e-9);
+    assert_near(table_cell(t, i, "point.piston/origin.speed"), fabs(w * first), 1e-10);
+    assert_near(table_cell(t, i, "body.crank.wx"), w, 1e-12);
+    assert_near(table_cell(t, i, "body.piston.wx"), 0.0, 1e-12);
+    assert_near(table_cell(t, i, "t"), (table_cell(t, i, "s") - table_cell(t, 0, "s")) / w, 1e-14);
   }
-  assert_near(cell(t, km_table_rows(t) - 1, "point.piston/origin.path"), 4.0 * r, 1e-9);
+  assert_near(table_cell(t, km_table_rows(t) - 1, "point.piston/origin.path"), 4.0 * r, 1e-9);
   const km_motion_sweep *sweep = km_question_velocities(q);
   const km_swing *slide = &sweep->swings[1], *rod = &sweep->swings[2];
   assert_near(slide->high - slide->low, 2.0 * r, 1e-10);
@@ -76,7 +70,7 @@ static double slope(const km_table *t, size_t i, int column, double h) {
 /* `derivative` is the slope of `column`, to 1e-6 of its largest value, by h⁴ of 2000 rows; rounding counts
  * where it stays near 0. */
 static void assert_derivative(const km_table *t, int column, int derivative) {
-  double h = cell(t, 1, "t") - cell(t, 0, "t"), largest = 1e-2, worst = 0.0;
+  double h = table_cell(t, 1, "t") - table_cell(t, 0, "t"), largest = 1e-2, worst = 0.0;
   for (size_t i = 2; i + 2 < km_table_rows(t); ++i) {
     double found = km_table_row(t, i)[derivative];
     assert_true(isfinite(found));
@@ -131,13 +125,13 @@ static void circle(void **unused) {
   km_question *q = motion(&f, 90, 2.0, "crank/end");
   const km_table *t = km_question_table(q);
   size_t last = km_table_rows(t) - 1;
-  double radius = cell(t, 0, "point.crank/end.speed") / 2.0;
+  double radius = table_cell(t, 0, "point.crank/end.speed") / 2.0;
   assert_true(radius > 0.1);
   for (size_t i = 0; i <= last; ++i) {
-    assert_near(cell(t, i, "point.crank/end.speed"), 2.0 * radius, 1e-12);
-    assert_near(cell(t, i, "point.crank/end.curvature"), 1.0 / radius, 1e-9);
+    assert_near(table_cell(t, i, "point.crank/end.speed"), 2.0 * radius, 1e-12);
+    assert_near(table_cell(t, i, "point.crank/end.curvature"), 1.0 / radius, 1e-9);
   }
-  assert_near(cell(t, last, "point.crank/end.path"), 2.0 * M_PI * radius, 1e-11);
+  assert_near(table_cell(t, last, "point.crank/end.path"), 2.0 * M_PI * radius, 1e-11);
   km_question_free(q);
   fixture_close(&f);
 }
@@ -150,7 +144,8 @@ static void limits_of_the_question(void **unused) {
   fixture f = fixture_open("delta");
   km_question *q = motion(&f, 4, 1.0, NULL);
   km_error e;
-  assert_true(isnan(cell(km_question_table(q), 2, "a.A1")) && isfinite(cell(km_question_table(q), 2, "v.A1")));
+  assert_true(isnan(table_cell(km_question_table(q), 2, "a.A1")) &&
+              isfinite(table_cell(km_question_table(q), 2, "v.A1")));
   km_option_value rates = {.coordinates = &other, .settings = &rate, .count = 1};
   assert_int_equal(km_question_set(q, "rate", &rates, &e), KM_OK);
   assert_int_equal(km_question_compute(q, f.state, &e), KM_USAGE);

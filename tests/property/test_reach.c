@@ -8,14 +8,6 @@
 #include <math.h>
 #include <string.h>
 
-static int coordinate(const fixture *f, const char *label) {
-  int c;
-  km_error error;
-  if (km_model_find_coordinate(f->model, label, &c, &error))
-    fail_msg("%s", error.text);
-  return c;
-}
-
 /* Both ways end in poses that are closed to 1e-12 of the loops' size: their coordinates differ by the condition of the
  * loops times that. */
 static void compare(const char *name, const km_hold *sets, int count) {
@@ -38,7 +30,8 @@ static void compare(const char *name, const km_hold *sets, int count) {
 static void test_same_pose(void **unused) {
   (void)unused;
   fixture f = fixture_open("excavator");
-  km_hold sets[3] = {{coordinate(&f, "M"), 0.0}, {coordinate(&f, "N"), 0.0}, {coordinate(&f, "O"), 0.0}};
+  km_hold sets[3] = {
+      {fixture_coordinate(&f, "M"), 0.0}, {fixture_coordinate(&f, "N"), 0.0}, {fixture_coordinate(&f, "O"), 0.0}};
   for (int i = 0; i < 3; ++i)
     sets[i].value = km_state_coordinate(f.state, sets[i].coordinate) + 0.02;
   fixture_close(&f);
@@ -60,7 +53,7 @@ static void test_balls_turn_together(void **unused) {
       "\"float\", \"body_frame_pairs\": [\"fixed\", \"b\"]}]}]}"};
   for (int i = 0; i < 2; ++i) {
     fixture f = fixture_read(texts[i]);
-    int first = coordinate(&f, "S[0]");
+    int first = fixture_coordinate(&f, "S[0]");
     const km_hold sets[3] = {{first, 0.7}, {first + 1, -0.4}, {first + 2, 1.1}};
     km_error error;
     if (km_state_move_to(f.mechanism, f.state, sets, 3, &error))
@@ -69,7 +62,7 @@ static void test_balls_turn_together(void **unused) {
       assert_near(km_state_coordinate(f.state, first + k), sets[k].value, 1e-12);
     if (i) /* the other joint of the same two bodies turns as far */
       for (int k = 0; k < 3; ++k)
-        assert_near(km_state_coordinate(f.state, coordinate(&f, "F[3]") + k), sets[k].value, 1e-12);
+        assert_near(km_state_coordinate(f.state, fixture_coordinate(&f, "F[3]") + k), sets[k].value, 1e-12);
     assert_int_equal(km_state_move_to(f.mechanism, f.state, sets, 2, &error), KM_USAGE);
     fixture_close(&f);
   }
@@ -79,7 +72,7 @@ static void test_refusals_leave_the_state(void **unused) {
   (void)unused;
   fixture f = fixture_open("brake");
   km_error error;
-  int k = coordinate(&f, "K");
+  int k = fixture_coordinate(&f, "K");
   double *before = KM_NEW(double, (size_t)f.model->coordinate_count);
   memcpy(before, f.state->q, (size_t)f.model->coordinate_count * sizeof *before);
   const km_hold far = {k, 1e4}, none = {999, 0.0};
@@ -93,7 +86,7 @@ static void test_refusals_leave_the_state(void **unused) {
 static km_status reach_again(const fixture *f, double value, km_mechanism **held, km_state **at) {
   km_mechanism *free;
   km_state *there;
-  const km_hold hold = {coordinate(f, "D"), value};
+  const km_hold hold = {fixture_coordinate(f, "D"), value};
   assert_int_equal(km_mechanism_compile(f->model, NULL, 0, &free, NULL), KM_OK);
   assert_int_equal(km_state_create(free, &there, NULL), KM_OK);
   km_status status = km_mechanism_recompile_at(free, there, &hold, 1, NULL, 0, held, at, NULL);
@@ -118,7 +111,7 @@ static void test_what_holds_is_kept(void **unused) {
   const km_mechanism *first = held;
   assert_int_equal(reach_again(&f, 0.1, &held, &at), KM_OK);
   assert_ptr_equal(held, first);
-  assert_near(km_state_coordinate(at, coordinate(&f, "D")), 0.1, 0.0);
+  assert_near(km_state_coordinate(at, fixture_coordinate(&f, "D")), 0.1, 0.0);
   const double tilt[9] = {1, 0, 0, 0, cos(0.3), -sin(0.3), 0, sin(0.3), cos(0.3)};
   for (int e = 0; e < 2; ++e) {
     int frame = f.model->joints[1].frame[e];

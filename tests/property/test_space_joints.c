@@ -9,21 +9,9 @@
 
 enum { TRIALS = 4, MOST_SHEETS = 8 };
 
-static int coordinate(const fixture *f, const char *label) {
-  int c;
-  assert_int_equal(km_model_find_coordinate(f->model, label, &c, NULL), KM_OK);
-  return c;
-}
-
-static double cell(const km_table *table, size_t row, const char *column) {
-  int c = km_table_find(table, column);
-  assert_true(c >= 0);
-  return km_table_row(table, row)[c];
-}
-
 static km_space_map map_of(const fixture *f, double range, int steps, bool within_limits) {
   const km_space_map_def def = {
-      .axis = {{coordinate(f, "A"), -range, range, steps}, {coordinate(f, "E"), -range, range, steps}},
+      .axis = {{fixture_coordinate(f, "A"), -range, range, steps}, {fixture_coordinate(f, "E"), -range, range, steps}},
       .within_limits = within_limits};
   km_all_modes modes;
   km_space_map map;
@@ -76,10 +64,10 @@ static fixture spherical_five_bar(uint64_t *random, km_vec3 axis[5], bool is_rev
 
 /* Axes of B, C by the chain of A, and of D; *gap: from C's axis by the chain of E. */
 static double passive_product(const km_vec3 axis[5], const km_table *t, size_t row, double *gap) {
-  double a = cell(t, row, "q.A"), e = cell(t, row, "q.E");
+  double a = table_cell(t, row, "q.A"), e = table_cell(t, row, "q.E");
   km_vec3 B = turned(axis[0], a, axis[1]), D = turned(axis[4], e, axis[3]);
-  km_vec3 C = turned(axis[0], a, turned(axis[1], cell(t, row, "q.B"), axis[2]));
-  km_vec3 other = turned(axis[4], e, turned(axis[3], cell(t, row, "q.D"), axis[2]));
+  km_vec3 C = turned(axis[0], a, turned(axis[1], table_cell(t, row, "q.B"), axis[2]));
+  km_vec3 other = turned(axis[4], e, turned(axis[3], table_cell(t, row, "q.D"), axis[2]));
   *gap = km_vec3_norm(km_vec3_sub(C, other));
   return km_vec3_dot(B, km_vec3_cross(C, D));
 }
@@ -99,12 +87,13 @@ static void passive_axes_are_coplanar_on_the_curves(void **state) {
     double first[MOST_SHEETS + 1] = {0.0};
     int at_point[31][31] = {{0}}, sheets[2] = {0, 0};
     for (size_t k = 0; k < km_table_rows(map.cells); ++k) {
-      int sheet = (int)cell(map.cells, k, "sheet");
+      int sheet = (int)table_cell(map.cells, k, "sheet");
       double product = passive_product(axis, map.cells, k, &gap);
       assert_at_most(gap, 1e-10);
       first[sheet] = first[sheet] == 0.0 ? product : first[sheet];
       assert_true(product * first[sheet] > 0.0);
-      ++at_point[lround((cell(map.cells, k, "q.A") + 2.0) * 7.5)][lround((cell(map.cells, k, "q.E") + 2.0) * 7.5)];
+      ++at_point[lround((table_cell(map.cells, k, "q.A") + 2.0) * 7.5)]
+                [lround((table_cell(map.cells, k, "q.E") + 2.0) * 7.5)];
     }
     for (int i = 0; i < 31 * 31; ++i)
       assert_true(at_point[i / 31][i % 31] == 0 || at_point[i / 31][i % 31] == 2);
@@ -198,8 +187,8 @@ static double crank_distance(const five_bar *b, double alpha, double epsilon) {
   return hypot(end[1][0] - end[0][0], end[1][1] - end[0][1]);
 }
 
-/* The sheets are the same, with the same figures where other coordinates stand still, and on the curves the rods are in
- * line. */
+/* The mechanisms have the sheets of the plain five-bar. Where they have its coordinates, σ_input is the same; on the
+ * curves the rods are in line. */
 static void balls_and_parallel_cranks_change_no_sheet(void **state) {
   (void)state;
   uint64_t random = 12;
@@ -228,14 +217,14 @@ static void balls_and_parallel_cranks_change_no_sheet(void **state) {
       if (kind == BALL || kind == ROD) { /* the coordinates out of the plane don't move */
         double least[2] = {HUGE_VAL, HUGE_VAL};
         for (size_t k = 0; k < km_table_rows(map.cells); ++k) {
-          least[0] = fmin(least[0], cell(map.cells, k, "sigma.input"));
-          least[1] = fmin(least[1], cell(expected.cells, k, "sigma.input"));
+          least[0] = fmin(least[0], table_cell(map.cells, k, "sigma.input"));
+          least[1] = fmin(least[1], table_cell(expected.cells, k, "sigma.input"));
         }
         assert_near(ratio, 1.0, 1e-12);
         assert_near(least[0], least[1], 1e-9);
       }
       for (size_t k = 0; k < km_table_rows(map.curves); ++k) {
-        double d = crank_distance(&b, cell(map.curves, k, "q.A"), cell(map.curves, k, "q.E"));
+        double d = crank_distance(&b, table_cell(map.curves, k, "q.A"), table_cell(map.curves, k, "q.E"));
         assert_at_most(fmin(fabs(d - rod[0] - rod[1]), fabs(d - fabs(rod[0] - rod[1]))), 1e-8);
       }
       km_space_map_free(&map);
@@ -260,9 +249,10 @@ static void largest_angles_bound_the_sheets(void **state) {
     assert_int_equal(km_table_rows(map.cells), km_table_rows(expected.cells));
     assert_int_equal(map.curve_count, expected.curve_count);
     for (size_t k = 0; k < km_table_rows(map.curves); ++k) {
-      if (cell(map.curves, k, "kind") != KM_CURVE_LIMIT)
+      if (table_cell(map.curves, k, "kind") != KM_CURVE_LIMIT)
         continue;
-      km_vec3 turn = {cell(map.curves, k, "q.C[0]"), cell(map.curves, k, "q.C[1]"), cell(map.curves, k, "q.C[2]")};
+      km_vec3 turn = {table_cell(map.curves, k, "q.C[0]"), table_cell(map.curves, k, "q.C[1]"),
+                      table_cell(map.curves, k, "q.C[2]")};
       assert_near(km_vec3_norm(turn), limit, 1e-10);
       ++on_limit;
     }
@@ -281,7 +271,7 @@ static void paths_keep_the_rods_from_their_line(void **state) {
   const five_bar b = {.crank = {{0.0, 0.6}, {1.0, 0.6}}, .P = {0.5, 1.3483314773547883}};
   for (int kind = BALL; kind < KINDS; ++kind) {
     fixture f = build(&b, kind, &upright, 0.0);
-    const int drivers[2] = {coordinate(&f, "A"), coordinate(&f, "E")};
+    const int drivers[2] = {fixture_coordinate(&f, "A"), fixture_coordinate(&f, "E")};
     const double to[2] = {kind == PARALLEL ? 1.0 : 2.9, kind == PARALLEL ? 0.9 : -2.9};
     const km_space_path_def def = {.drivers = drivers, .driver_count = 2, .to_drivers = to, .seed = 1};
     km_space_path path;
@@ -291,11 +281,11 @@ static void paths_keep_the_rods_from_their_line(void **state) {
     assert_int_equal(path.outcome, KM_SPACE_PATH_FOUND);
     size_t last = km_table_rows(path.table) - 1;
     for (size_t k = 0; k <= last; ++k) {
-      double a = cell(path.table, k, "q.A"), e = cell(path.table, k, "q.E");
+      double a = table_cell(path.table, k, "q.A"), e = table_cell(path.table, k, "q.E");
       assert_true(crank_distance(&b, a, e) < 1.8 && crank_distance(&b, a, e) > 0.0);
     }
-    assert_near(remainder(cell(path.table, last, "q.A") - to[0], 2.0 * M_PI), 0.0, 1e-9);
-    assert_near(remainder(cell(path.table, last, "q.E") - to[1], 2.0 * M_PI), 0.0, 1e-9);
+    assert_near(remainder(table_cell(path.table, last, "q.A") - to[0], 2.0 * M_PI), 0.0, 1e-9);
+    assert_near(remainder(table_cell(path.table, last, "q.E") - to[1], 2.0 * M_PI), 0.0, 1e-9);
     km_space_path_free(&path);
     fixture_close(&f);
   }
@@ -343,7 +333,7 @@ static void lines_of_the_rods_meet_on_the_curves(void **state) {
     km_text_format(&text, "]}]}");
     fixture f = fixture_read(text.data);
     km_text_free(&text);
-    const km_hold hold = {coordinate(&f, "held"), 0.0};
+    const km_hold hold = {fixture_coordinate(&f, "held"), 0.0};
     km_assembly evidence;
     km_state_free(f.state);
     km_mechanism_free(f.mechanism);
@@ -356,7 +346,8 @@ static void lines_of_the_rods_meet_on_the_curves(void **state) {
       double line[3][3];
       for (int leg = 0; leg < 3; ++leg) {
         static const char *const driver[] = {"q.A", "q.E", "q.held"}, *const passive[] = {"q.K0", "q.K1", "q.K2"};
-        double turn = cell(map.curves, row, driver[leg]), along = turn + cell(map.curves, row, passive[leg]);
+        double turn = table_cell(map.curves, row, driver[leg]),
+               along = turn + table_cell(map.curves, row, passive[leg]);
         double kx = knee[leg][0] - pin[leg][0], ky = knee[leg][1] - pin[leg][1];
         double rx = corner[leg][0] - knee[leg][0], ry = corner[leg][1] - knee[leg][1], length = hypot(rx, ry);
         double x = pin[leg][0] + cos(turn) * kx - sin(turn) * ky, y = pin[leg][1] + sin(turn) * kx + cos(turn) * ky;

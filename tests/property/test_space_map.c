@@ -15,7 +15,7 @@ typedef struct five_bar {
   double crank[2][2], P[2]; /* ends of the cranks, and P, as drawn */
 } five_bar;
 
-/* With a sphere at the point, and a post there, if its place isn't NULL. */
+/* The mechanism; unless `post` is NULL with a sphere at the point, and a fixed sphere at `post`. */
 static fixture build_with(const five_bar *b, const double *post) {
   km_text text = {0}, shape = {0}, body = {0}, joint = {0};
   if (post) {
@@ -68,21 +68,9 @@ static double ends(const five_bar *b, double alpha, double epsilon, double end[2
   return hypot(end[1][0] - end[0][0], end[1][1] - end[0][1]);
 }
 
-static int coordinate(const fixture *f, const char *label) {
-  int c;
-  assert_int_equal(km_model_find_coordinate(f->model, label, &c, NULL), KM_OK);
-  return c;
-}
-
-static double cell(const km_table *table, size_t row, const char *column) {
-  int c = km_table_find(table, column);
-  assert_true(c >= 0);
-  return km_table_row(table, row)[c];
-}
-
 /* `frame`: of the point P; -1: none. */
 static km_space_map map_of(const fixture *f, double from, double to, int steps, int frame) {
-  const int locked[2] = {coordinate(f, "A"), coordinate(f, "E")};
+  const int locked[2] = {fixture_coordinate(f, "A"), fixture_coordinate(f, "E")};
   const km_space_map_def def = {.axis = {{locked[0], from, to, steps}, {locked[1], from, to, steps}},
                                 .has_point = frame >= 0,
                                 .frame = frame,
@@ -137,22 +125,22 @@ static void cells_close_the_rods(void **state) {
     assert_int_equal(map.sheet_count, 2);
     assert_int_equal(km_table_rows(map.cells), 2 * possible);
     for (size_t k = 0; k < km_table_rows(map.cells); ++k) {
-      double end[2][2], alpha = cell(map.cells, k, "q.A");
-      ends(&b, alpha, cell(map.cells, k, "q.E"), end);
-      double turn = alpha + cell(map.cells, k, "q.B");
+      double end[2][2], alpha = table_cell(map.cells, k, "q.A");
+      ends(&b, alpha, table_cell(map.cells, k, "q.E"), end);
+      double turn = alpha + table_cell(map.cells, k, "q.B");
       double x = b.P[0] - b.crank[0][0], y = b.P[1] - b.crank[0][1];
       double P[2] = {end[0][0] + cos(turn) * x - sin(turn) * y, end[0][1] + sin(turn) * x + cos(turn) * y};
       assert_near(hypot(P[0] - end[1][0], P[1] - end[1][1]), rod[1], 1e-10);
       double side = (end[1][0] - end[0][0]) * (P[1] - end[0][1]) - (end[1][1] - end[0][1]) * (P[0] - end[0][0]);
       double drawn = (b.crank[1][0] - b.crank[0][0]) * (b.P[1] - b.crank[0][1]) -
                      (b.crank[1][1] - b.crank[0][1]) * (b.P[0] - b.crank[0][0]);
-      assert_true((side * drawn > 0.0) == (cell(map.cells, k, "sheet") == 1.0));
+      assert_true((side * drawn > 0.0) == (table_cell(map.cells, k, "sheet") == 1.0));
       double sum = 0.0;
       for (size_t c = 0; c < 5; ++c)
         sum += km_table_row(map.cells, k)[7 + c];
       assert_near(sum, 2.0, 1e-12); /* mobility numbers add up to the freedoms */
-      double input = cell(map.cells, k, "sigma.input");
-      assert_true(input > 0.0 && cell(map.cells, k, "sigma.closure") >= input - 1e-12);
+      double input = table_cell(map.cells, k, "sigma.input");
+      assert_true(input > 0.0 && table_cell(map.cells, k, "sigma.closure") >= input - 1e-12);
     }
     km_space_map_free(&map);
     fixture_close(&f);
@@ -172,7 +160,7 @@ static void rods_are_in_line_on_the_curves(void **state) {
                      hypot(b.P[0] - b.crank[1][0], b.P[1] - b.crank[1][1])};
     assert_true(map.curve_count > 0);
     for (size_t k = 0; k < km_table_rows(map.curves); ++k) {
-      double end[2][2], d = ends(&b, cell(map.curves, k, "q.A"), cell(map.curves, k, "q.E"), end);
+      double end[2][2], d = ends(&b, table_cell(map.curves, k, "q.A"), table_cell(map.curves, k, "q.E"), end);
       assert_at_most(fmin(fabs(d - rod[0] - rod[1]), fabs(d - fabs(rod[0] - rod[1]))), 1e-9);
       ++points;
     }
@@ -203,9 +191,9 @@ static void cranks_and_rods_are_in_line_where_the_output_is_singular(void **stat
       radius[k][1] = fabs(crank - rod);
     }
     for (size_t k = 0; k < km_table_rows(map.curves); ++k) {
-      if (cell(map.curves, k, "kind") != KM_CURVE_OUTPUT)
+      if (table_cell(map.curves, k, "kind") != KM_CURVE_OUTPUT)
         continue;
-      double x = cell(map.curves, k, "point.P.x"), y = cell(map.curves, k, "point.P.y"), least = HUGE_VAL;
+      double x = table_cell(map.curves, k, "point.P.x"), y = table_cell(map.curves, k, "point.P.y"), least = HUGE_VAL;
       for (int pin = 0; pin < 2; ++pin)
         for (int side = 0; side < 2; ++side)
           least = fmin(least, fabs(hypot(x - pin, y) - radius[pin][side]));
@@ -213,8 +201,8 @@ static void cranks_and_rods_are_in_line_where_the_output_is_singular(void **stat
       ++points;
     }
     for (size_t k = 0; k < km_table_rows(map.cells); ++k) {
-      double end[2][2], x = cell(map.cells, k, "point.P.x"), y = cell(map.cells, k, "point.P.y");
-      ends(&b, cell(map.cells, k, "q.A"), cell(map.cells, k, "q.E"), end);
+      double end[2][2], x = table_cell(map.cells, k, "point.P.x"), y = table_cell(map.cells, k, "point.P.y");
+      ends(&b, table_cell(map.cells, k, "q.A"), table_cell(map.cells, k, "q.E"), end);
       for (int side = 0; side < 2; ++side)
         assert_near(hypot(x - end[side][0], y - end[side][1]),
                     hypot(b.P[0] - b.crank[side][0], b.P[1] - b.crank[side][1]), 1e-10);
@@ -227,8 +215,9 @@ static void cranks_and_rods_are_in_line_where_the_output_is_singular(void **stat
       }
       double determinant = fabs(v[0] * v[1] / (w[0][0] * w[1][1] - w[0][1] * w[1][0]));
       double size = f.mechanism->substructures[0].size;
-      assert_near(cell(map.cells, k, "manipulability") * size * size, determinant, 1e-9 * (1.0 + determinant));
-      assert_true(cell(map.cells, k, "sigma.output") <= sqrt(cell(map.cells, k, "manipulability")) * (1.0 + 1e-12));
+      assert_near(table_cell(map.cells, k, "manipulability") * size * size, determinant, 1e-9 * (1.0 + determinant));
+      assert_true(table_cell(map.cells, k, "sigma.output") <=
+                  sqrt(table_cell(map.cells, k, "manipulability")) * (1.0 + 1e-12));
     }
     km_space_map_free(&map);
     fixture_close(&f);
@@ -286,9 +275,9 @@ static void check_outline(const five_bar *b, double low[2], double high[2], cons
   const km_table *t = map->boundary;
   size_t first = 0;
   for (size_t i = 0; i < km_table_rows(t); ++i) {
-    double x = cell(t, i, "point.P.x"), y = cell(t, i, "point.P.y"), least = HUGE_VAL;
-    bool is_limit = cell(t, i, "kind") == KM_CURVE_LIMIT;
-    assert_true(is_limit || cell(t, i, "kind") == KM_CURVE_OUTPUT);
+    double x = table_cell(t, i, "point.P.x"), y = table_cell(t, i, "point.P.y"), least = HUGE_VAL;
+    bool is_limit = table_cell(t, i, "kind") == KM_CURVE_LIMIT;
+    assert_true(is_limit || table_cell(t, i, "kind") == KM_CURVE_OUTPUT);
     for (int k = 0; k < 2; ++k) {
       double crank = hypot(b->crank[k][0] - k, b->crank[k][1]);
       double rod = hypot(b->P[0] - b->crank[k][0], b->P[1] - b->crank[k][1]);
@@ -301,17 +290,18 @@ static void check_outline(const five_bar *b, double low[2], double high[2], cons
       }
     }
     assert_at_most(least, 1e-8);
-    if (i > 0 && cell(t, i, "loop") != cell(t, i - 1, "loop"))
+    if (i > 0 && table_cell(t, i, "loop") != table_cell(t, i - 1, "loop"))
       first = i;
-    if (i + 1 == km_table_rows(t) || cell(t, i + 1, "loop") != cell(t, i, "loop"))
-      assert_at_most(hypot(x - cell(t, first, "point.P.x"), y - cell(t, first, "point.P.y")), fmax(map->gap, 1e-3));
+    if (i + 1 == km_table_rows(t) || table_cell(t, i + 1, "loop") != table_cell(t, i, "loop"))
+      assert_at_most(hypot(x - table_cell(t, first, "point.P.x"), y - table_cell(t, first, "point.P.y")),
+                     fmax(map->gap, 1e-3));
   }
 }
 
 static int count_cells(const km_table *cells, int aspect) {
   int count = 0;
   for (size_t k = 0; k < km_table_rows(cells); ++k)
-    count += cell(cells, k, "aspect") == aspect;
+    count += table_cell(cells, k, "aspect") == aspect;
   return count;
 }
 
@@ -329,10 +319,10 @@ static void workspace_has_inverse_solutions(void **state) {
       low[k] = is_turn ? -M_PI : -1.4 + 0.9 * km_uniform(&random);
       high[k] = is_turn ? M_PI : 1.4 + 0.9 * km_uniform(&random);
     }
-    km_space_map_def def = {
-        .axis = {{coordinate(&f, "A"), low[0], high[0], 60}, {coordinate(&f, "E"), low[1], high[1], 60}},
-        .has_point = true,
-        .point_name = "P"};
+    km_space_map_def def = {.axis = {{fixture_coordinate(&f, "A"), low[0], high[0], 60},
+                                     {fixture_coordinate(&f, "E"), low[1], high[1], 60}},
+                            .has_point = true,
+                            .point_name = "P"};
     assert_int_equal(km_model_find_frame(f.model, path, 2, &def.frame, NULL), KM_OK);
     km_all_modes modes;
     km_space_map map;
@@ -369,7 +359,7 @@ static void workspace_has_inverse_solutions(void **state) {
 /* The workspace of the point, which keeps a clearance if it isn't NaN. */
 static km_space_map workspace_of(const fixture *f, double least) {
   const char *const path[] = {"b2", "P"};
-  const int drivers[2] = {coordinate(f, "A"), coordinate(f, "E")};
+  const int drivers[2] = {fixture_coordinate(f, "A"), fixture_coordinate(f, "E")};
   km_clearance *clearance = NULL;
   km_all_modes modes;
   km_space_map map;
@@ -406,9 +396,9 @@ static void a_post_takes_a_disc_out(void **state) {
     fixture with_post = build_with(&b, post);
     km_space_map map = workspace_of(&with_post, radius - 2.0 * ball);
     for (size_t k = 0; k < km_table_rows(map.curves); ++k) {
-      if (cell(map.curves, k, "kind") != KM_CURVE_CLEARANCE)
+      if (table_cell(map.curves, k, "kind") != KM_CURVE_CLEARANCE)
         continue;
-      double x = cell(map.curves, k, "point.P.x") - post[0], y = cell(map.curves, k, "point.P.y") - post[1];
+      double x = table_cell(map.curves, k, "point.P.x") - post[0], y = table_cell(map.curves, k, "point.P.y") - post[1];
       assert_near(hypot(x, y), radius, 1e-9);
       ++points;
     }
@@ -416,8 +406,8 @@ static void a_post_takes_a_disc_out(void **state) {
     assert_int_equal(map.hole_count, plain.hole_count + 1);
     assert_int_equal(map.unbounded, 0);
     for (size_t k = 0; k < km_table_rows(map.cells); ++k)
-      assert_true(hypot(cell(map.cells, k, "point.P.x") - post[0], cell(map.cells, k, "point.P.y") - post[1]) >=
-                  radius - 1e-9);
+      assert_true(hypot(table_cell(map.cells, k, "point.P.x") - post[0],
+                        table_cell(map.cells, k, "point.P.y") - post[1]) >= radius - 1e-9);
     km_space_map_free(&map);
     km_space_map_free(&plain);
     fixture_close(&f);
@@ -444,7 +434,7 @@ static void drivers_of_different_parts(void **state) {
   int frame;
   assert_int_equal(km_model_find_frame(f.model, path, 2, &frame, NULL), KM_OK);
   for (int pair = 0; pair < 2; ++pair) {
-    const int drivers[2] = {coordinate(&f, pair ? "B" : "A"), coordinate(&f, pair ? "C" : "B")};
+    const int drivers[2] = {fixture_coordinate(&f, pair ? "B" : "A"), fixture_coordinate(&f, pair ? "C" : "B")};
     const km_space_map_def def = {.axis = {{drivers[0], -3.0, 3.0, 30}, {drivers[1], -3.0, 3.0, 30}},
                                   .has_point = !pair,
                                   .frame = frame,
@@ -458,13 +448,13 @@ static void drivers_of_different_parts(void **state) {
     assert_int_equal(km_table_rows(map.cells), modes.count * 31 * 31);
     double size = f.mechanism->length;
     for (size_t k = 0; k < km_table_rows(map.cells) && !pair; ++k)
-      assert_near(cell(map.cells, k, "manipulability") * size * size, 0.7 * fabs(sin(cell(map.cells, k, "q.B"))),
-                  1e-12);
+      assert_near(table_cell(map.cells, k, "manipulability") * size * size,
+                  0.7 * fabs(sin(table_cell(map.cells, k, "q.B"))), 1e-12);
     for (size_t k = 0; k < km_table_rows(map.curves); ++k) {
-      bool is_limit = cell(map.curves, k, "kind") == KM_CURVE_LIMIT;
+      bool is_limit = table_cell(map.curves, k, "kind") == KM_CURVE_LIMIT;
       assert_true(!pair);
-      assert_near(is_limit ? fmax(fabs(cell(map.curves, k, "q.A")), fabs(cell(map.curves, k, "q.B"))) - 3.0
-                           : sin(cell(map.curves, k, "q.B")),
+      assert_near(is_limit ? fmax(fabs(table_cell(map.curves, k, "q.A")), fabs(table_cell(map.curves, k, "q.B"))) - 3.0
+                           : sin(table_cell(map.curves, k, "q.B")),
                   0.0, 1e-9);
     }
     assert_int_equal(map.curve_count, pair ? 0 : 5); /* four of them are ends of the ranges */
@@ -482,7 +472,7 @@ static void order_and_sense_of_drivers_do_not_matter(void **state) {
   five_bar b = random_five_bar(&random);
   fixture f = build(&b);
   const char *const path[] = {"b2", "P"};
-  const int drivers[2] = {coordinate(&f, "A"), coordinate(&f, "E")};
+  const int drivers[2] = {fixture_coordinate(&f, "A"), fixture_coordinate(&f, "E")};
   double first = 0.0;
   for (int k = 0; k < 4; ++k) {
     km_space_map_def def = {.axis = {{drivers[k % 2], -1.1, 1.3, 50}, {drivers[1 - k % 2], -1.1, 1.3, 50}},
@@ -516,7 +506,7 @@ static void refusals(void **state) {
   uint64_t random = 4;
   five_bar b = random_five_bar(&random);
   fixture f = build(&b);
-  int A = coordinate(&f, "A"), E = coordinate(&f, "E");
+  int A = fixture_coordinate(&f, "A"), E = fixture_coordinate(&f, "E");
   double zero[5] = {0};
   const km_all_modes modes = {.count = 1, .coordinates = zero};
   km_space_map map;

@@ -12,18 +12,6 @@
 
 enum { PAIRS = 50 };
 
-static double cell(const km_table *table, size_t row, const char *column) {
-  int c = km_table_find(table, column);
-  assert_true(c >= 0);
-  return km_table_row(table, row)[c];
-}
-
-static int coordinate(const fixture *f, const char *label) {
-  int c;
-  assert_int_equal(km_model_find_coordinate(f->model, label, &c, NULL), KM_OK);
-  return c;
-}
-
 static km_space_path path_to(const fixture *f, const km_space_path_def *def) {
   km_space_path path;
   km_error error = {0};
@@ -72,8 +60,8 @@ static double crank_ends(double a, double e, double end[2][2]) {
 
 /* Sense of the triangle of both cranks' ends and the point P, at a row: the sign of the input's determinant. */
 static double side_of(const km_table *table, size_t row) {
-  double end[2][2], a = cell(table, row, "q.A"), turn = a + cell(table, row, "q.B");
-  crank_ends(a, cell(table, row, "q.E"), end);
+  double end[2][2], a = table_cell(table, row, "q.A"), turn = a + table_cell(table, row, "q.B");
+  crank_ends(a, table_cell(table, row, "q.E"), end);
   double x = 0.5, y = 1.3483314773547883 - 0.6; /* rod 1, drawn */
   double P[2] = {end[0][0] + cos(turn) * x - sin(turn) * y, end[0][1] + sin(turn) * x + cos(turn) * y};
   assert_near(hypot(P[0] - end[1][0], P[1] - end[1][1]), 0.9, 1e-10);
@@ -83,7 +71,7 @@ static double side_of(const km_table *table, size_t row) {
 static void five_bars_keep_their_mode(void **state) {
   (void)state;
   fixture f = fixture_open("five_bar");
-  const int drivers[2] = {coordinate(&f, "A"), coordinate(&f, "E")};
+  const int drivers[2] = {fixture_coordinate(&f, "A"), fixture_coordinate(&f, "E")};
   uint64_t random = 11;
   int around = 0;
   for (int pair = 0; pair < PAIRS;) {
@@ -100,20 +88,20 @@ static void five_bars_keep_their_mode(void **state) {
     assert_int_equal(path.outcome, KM_SPACE_PATH_FOUND);
     for (size_t r = 0; r < rows; ++r) {
       assert_true(side_of(path.table, r) > 0.0);
-      assert_true(cell(path.table, r, "sigma.input") >= KM_DEFAULT_PATH_MARGIN);
+      assert_true(table_cell(path.table, r, "sigma.input") >= KM_DEFAULT_PATH_MARGIN);
       if (r == 0)
         continue;
       for (int part = 1; part < 10; ++part) { /* the drivers between two rows */
-        double u = part / 10.0, a = cell(path.table, r - 1, "q.A"), e = cell(path.table, r - 1, "q.E");
-        a += u * (cell(path.table, r, "q.A") - a);
-        e += u * (cell(path.table, r, "q.E") - e);
+        double u = part / 10.0, a = table_cell(path.table, r - 1, "q.A"), e = table_cell(path.table, r - 1, "q.E");
+        a += u * (table_cell(path.table, r, "q.A") - a);
+        e += u * (table_cell(path.table, r, "q.E") - e);
         distance = crank_ends(a, e, end);
         assert_true(distance > 0.0 && distance < 1.8);
       }
-      assert_at_most(cell(path.table, r, "s") - cell(path.table, r - 1, "s"), 0.05);
+      assert_at_most(table_cell(path.table, r, "s") - table_cell(path.table, r - 1, "s"), 0.05);
     }
     for (int d = 0; d < 2; ++d)
-      assert_near(remainder(cell(path.table, rows - 1, d ? "q.E" : "q.A") - values[d], 2.0 * M_PI), 0.0, 1e-6);
+      assert_near(remainder(table_cell(path.table, rows - 1, d ? "q.E" : "q.A") - values[d], 2.0 * M_PI), 0.0, 1e-6);
     assert_smooth(&path, 2);
     around += !path.is_straight;
     km_space_path_free(&path);
@@ -159,9 +147,9 @@ static void configuration_of(const fixture *f, const double pose[3], double *q) 
     for (int i = 0; i < 3; ++i)
       label[i][1] = (char)('0' + k);
     double turn = remainder(atan2(leg[1], leg[0]) - atan2(own[1], own[0]), 2.0 * M_PI);
-    q[coordinate(f, label[0])] = turn;
-    q[coordinate(f, label[1])] = hypot(leg[0], leg[1]) - hypot(own[0], own[1]);
-    q[coordinate(f, label[2])] = remainder(pose[2] - turn, 2.0 * M_PI);
+    q[fixture_coordinate(f, label[0])] = turn;
+    q[fixture_coordinate(f, label[1])] = hypot(leg[0], leg[1]) - hypot(own[0], own[1]);
+    q[fixture_coordinate(f, label[2])] = remainder(pose[2] - turn, 2.0 * M_PI);
   }
 }
 
@@ -190,18 +178,19 @@ static void draw_pose(uint64_t *random, double pose[3]) {
 
 /* Pose of the platform at a row, by the first leg; the other legs must hold it. */
 static void pose_at(const fixture *f, const km_table *table, size_t row, double pose[3]) {
-  double angle = cell(table, row, "q.R0"), length = hypot(drawn[0][0] - base[0][0], drawn[0][1] - base[0][1]), q[9];
+  double angle = table_cell(table, row, "q.R0"), length = hypot(drawn[0][0] - base[0][0], drawn[0][1] - base[0][1]),
+         q[9];
   double direction = atan2(drawn[0][1] - base[0][1], drawn[0][0] - base[0][0]) + angle;
-  length += cell(table, row, "q.P0");
+  length += table_cell(table, row, "q.P0");
   pose[0] = base[0][0] + length * cos(direction);
   pose[1] = base[0][1] + length * sin(direction);
-  pose[2] = angle + cell(table, row, "q.B0");
+  pose[2] = angle + table_cell(table, row, "q.B0");
   configuration_of(f, pose, q);
   for (int k = 1; k < 3; ++k) {
     char label[] = "q.P0";
     label[3] = (char)('0' + k);
     double own = hypot(drawn[k][0] - base[k][0], drawn[k][1] - base[k][1]);
-    assert_near(fabs(own + cell(table, row, label)), own + q[coordinate(f, label + 2)], 1e-9);
+    assert_near(fabs(own + table_cell(table, row, label)), own + q[fixture_coordinate(f, label + 2)], 1e-9);
   }
 }
 
@@ -212,7 +201,7 @@ static double input_sign(const fixture *f, const km_table *table, size_t row, do
   for (int k = 0; k < 3; ++k) {
     char label[] = "q.P0";
     label[3] = (char)('0' + k);
-    sign *= hypot(drawn[k][0] - base[k][0], drawn[k][1] - base[k][1]) + cell(table, row, label);
+    sign *= hypot(drawn[k][0] - base[k][0], drawn[k][1] - base[k][1]) + table_cell(table, row, label);
   }
   return sign;
 }
@@ -220,7 +209,7 @@ static double input_sign(const fixture *f, const km_table *table, size_t row, do
 static void platforms_keep_the_sign_of_their_lines(void **state) {
   (void)state;
   fixture f = build_platform();
-  const int drivers[3] = {coordinate(&f, "P0"), coordinate(&f, "P1"), coordinate(&f, "P2")};
+  const int drivers[3] = {fixture_coordinate(&f, "P0"), fixture_coordinate(&f, "P1"), fixture_coordinate(&f, "P2")};
   uint64_t random = 5;
   int around = 0;
   for (int pair = 0; pair < PAIRS; ++pair) {
@@ -259,8 +248,8 @@ static void platforms_keep_the_sign_of_their_lines(void **state) {
 static void lines_meet_on_the_curves_of_a_slice(void **state) {
   (void)state;
   fixture f = build_platform();
-  const int drivers[2] = {coordinate(&f, "P0"), coordinate(&f, "P1")};
-  const km_hold hold = {coordinate(&f, "P2"), 0.0};
+  const int drivers[2] = {fixture_coordinate(&f, "P0"), fixture_coordinate(&f, "P1")};
+  const km_hold hold = {fixture_coordinate(&f, "P2"), 0.0};
   km_mechanism *held;
   km_state *at;
   assert_int_equal(km_mechanism_compile_at(f.model, &hold, 1, NULL, 0, &held, &at, NULL), KM_OK);
@@ -280,7 +269,7 @@ static void lines_meet_on_the_curves_of_a_slice(void **state) {
   for (int c = 0; c < 9; ++c) { /* the configurations are the same from a cell of the last sheet */
     char name[8];
     snprintf(name, sizeof name, "q.%s", km_model_coordinate_label(f.model, c));
-    q[c] = cell(map.cells, last, name);
+    q[c] = table_cell(map.cells, last, name);
   }
   assert_true(map.sheet_count > modes.count);
   km_space_map_free(&map);
@@ -300,7 +289,7 @@ static void lines_meet_on_the_curves_of_a_slice(void **state) {
 static void opposite_modes_are_separated(void **state) {
   (void)state;
   fixture f = fixture_open("five_bar");
-  const int drivers[2] = {coordinate(&f, "A"), coordinate(&f, "E")};
+  const int drivers[2] = {fixture_coordinate(&f, "A"), fixture_coordinate(&f, "E")};
   const km_all_modes_def all = {.locked = drivers, .locked_count = 2, .seed = 1};
   km_all_modes modes;
   assert_int_equal(km_all_modes_find(f.mechanism, f.state, &all, NULL, NULL, &modes, NULL), KM_OK);
@@ -340,7 +329,7 @@ static bool stop_at_once(void *context, double done) {
 static void conditions_and_refusals(void **state) {
   (void)state;
   fixture f = fixture_open("five_bar");
-  const int drivers[2] = {coordinate(&f, "A"), coordinate(&f, "E")}, same[2] = {drivers[0], drivers[0]};
+  const int drivers[2] = {fixture_coordinate(&f, "A"), fixture_coordinate(&f, "E")}, same[2] = {drivers[0], drivers[0]};
   const double values[2] = {-2.7, 0.3};
   double most = 0.5;
   km_space_path path = path_to(
@@ -348,7 +337,7 @@ static void conditions_and_refusals(void **state) {
               .drivers = drivers, .driver_count = 2, .to_drivers = values, .condition = keep_below, .context = &most});
   assert_int_equal(path.outcome, KM_SPACE_PATH_FOUND);
   for (size_t r = 0; r < km_table_rows(path.table); ++r)
-    assert_true(cell(path.table, r, "q.A") < most);
+    assert_true(table_cell(path.table, r, "q.A") < most);
   km_space_path_free(&path);
   const km_space_path_def good = {.drivers = drivers, .driver_count = 2, .to_drivers = values};
   km_space_path_def bad[5] = {good, good, good, good, good};
@@ -422,7 +411,7 @@ static void arms_go_around_obstacles(void **state) {
 static void drivers_of_different_parts(void **state) {
   (void)state;
   fixture f = fixture_open("excavator");
-  const int drivers[3] = {coordinate(&f, "L"), coordinate(&f, "N"), coordinate(&f, "B")};
+  const int drivers[3] = {fixture_coordinate(&f, "L"), fixture_coordinate(&f, "N"), fixture_coordinate(&f, "B")};
   const double end[3] = {2.6, 2.7, 1.0};
   km_space_path path =
       path_to(&f, &(km_space_path_def){.drivers = drivers, .driver_count = 3, .to_drivers = end, .seed = 1});
@@ -435,7 +424,7 @@ static void drivers_of_different_parts(void **state) {
   for (int c = 0; c < km_model_coordinate_count(f.model); ++c) {
     char name[64];
     snprintf(name, sizeof name, "q.%s", km_model_coordinate_label(f.model, c));
-    q[c] = cell(path.table, km_table_rows(path.table) - 1, name);
+    q[c] = table_cell(path.table, km_table_rows(path.table) - 1, name);
   }
   assert_int_equal(km_state_set_coordinates(f.mechanism, f.state, q, NULL), KM_OK);
   for (int k = 0; k < f.mechanism->topology.substructure_count; ++k) {

@@ -33,12 +33,6 @@ static km_advantage_sweep sweep_of(fixture *f, const char *input, const char *ou
   return sweep;
 }
 
-static double cell(const km_table *t, size_t row, const char *column) {
-  int found = km_table_find(t, column);
-  assert_true(found >= 0);
-  return km_table_row(t, row)[found];
-}
-
 /* Moves the state to a row, and returns the position of a joint there. */
 static km_vec3 position(fixture *f, const km_table *t, size_t row, int joint) {
   for (int c = 0; c < f->model->coordinate_count; ++c)
@@ -67,7 +61,7 @@ static void four_bars_have_closed_forms(void **state) {
     for (int j = 0; j < 4; ++j)
       p[j] = position(&f, t, r, j);
     const double l = km_vec3_norm(km_vec3_sub(p[2], p[3]));
-    assert_near(cell(t, r, "joint_force_index") * l * sin(cell(t, r, "transmission_angle")), 1.0, 1e-9);
+    assert_near(table_cell(t, r, "joint_force_index") * l * sin(table_cell(t, r, "transmission_angle")), 1.0, 1e-9);
     minor[r] = twice_area(p[1], p[2], p[3]);
     volume[r] = hypot(hypot(minor[r], twice_area(p[0], p[2], p[3])),
                       hypot(twice_area(p[0], p[1], p[3]), twice_area(p[0], p[1], p[2])));
@@ -75,8 +69,8 @@ static void four_bars_have_closed_forms(void **state) {
     most_volume = fmax(most_volume, volume[r]);
   }
   for (size_t r = 0; r <= STEPS; ++r) {
-    assert_near(cell(t, r, "lee_duffy"), minor[r] / most_minor, 1e-9);
-    assert_near(cell(t, r, "zhang"), volume[r] / most_volume, 1e-9);
+    assert_near(table_cell(t, r, "lee_duffy"), minor[r] / most_minor, 1e-9);
+    assert_near(table_cell(t, r, "zhang"), volume[r] / most_volume, 1e-9);
   }
   km_advantage_sweep_free(&sweep);
   fixture_close(&f);
@@ -91,11 +85,11 @@ static void rods_carry_forces_along_themselves(void **state) {
     const km_vec3 b = position(&f, t, r, 1), c = position(&f, t, r, 2), d = position(&f, t, r, 3);
     const km_vec3 axis = {1, 0, 0}, rod = km_vec3_sub(c, b), v = km_vec3_cross(axis, km_vec3_sub(c, d));
     const double index = fabs(km_vec3_dot(rod, v)) / (km_vec3_norm(rod) * km_vec3_norm(v));
-    assert_near(cell(t, r, "sutherland_roth"), index, 1e-9);
-    assert_near(cell(t, r, "chen_angeles"), index, 1e-9);
-    assert_near(2.0 * cell(t, r, "virtual_coefficient") * cell(t, r, "joint_force_index"), 1.0, 1e-9);
-    assert_true(isnan(cell(t, r, "lee_duffy"))); /* the rod spins: J without the input isn't square */
-    assert_true(cell(t, r, "zhang") > 0.0 && cell(t, r, "zhang") <= 1.0);
+    assert_near(table_cell(t, r, "sutherland_roth"), index, 1e-9);
+    assert_near(table_cell(t, r, "chen_angeles"), index, 1e-9);
+    assert_near(2.0 * table_cell(t, r, "virtual_coefficient") * table_cell(t, r, "joint_force_index"), 1.0, 1e-9);
+    assert_true(isnan(table_cell(t, r, "lee_duffy"))); /* the rod spins: J without the input isn't square */
+    assert_true(table_cell(t, r, "zhang") > 0.0 && table_cell(t, r, "zhang") <= 1.0);
   }
   km_advantage_sweep_free(&sweep);
   fixture_close(&f);
@@ -107,7 +101,7 @@ static void open_forces_give_no_index(void **state) {
   fixture f = fixture_open("bennett");
   km_advantage_sweep sweep = sweep_of(&f, "A", "D", 1.0, 4);
   for (size_t r = 0; r < km_table_rows(sweep.motion.table); ++r)
-    assert_true(isnan(cell(sweep.motion.table, r, "joint_force_index")));
+    assert_true(isnan(table_cell(sweep.motion.table, r, "joint_force_index")));
   km_advantage_sweep_free(&sweep);
   fixture_close(&f);
 }

@@ -323,3 +323,15 @@ int numbers_by_svd(const fixture *f, int substructure, double *numbers) {
   km_free(Vt);
   return rank;
 }
+
+int fixture_coordinate(const fixture *f, const char *label) {
+  int c;
+  assert_int_equal(km_model_find_coordinate(f->model, label, &c, NULL), KM_OK);
+  return c;
+}
+
+double table_cell(const km_table *table, size_t row, const char *column) {
+  int c = km_table_find(table, column);
+  assert_true(c >= 0);
+  return km_table_row(table, row)[c];
+}

@@ -14,6 +14,7 @@
 
 #include "base/text.h"
 #include "kinematics/state.h"
+#include "kmech/data.h"
 #include "kmech/sweep.h"
 
 #include <stdbool.h>
@@ -48,6 +49,11 @@ void fixture_close(fixture *f);
 char *read_model_text(const char *name); /* the caller frees it (km_free) */
 /* A copy of the text where the first `from` behind `place` (NULL: anywhere) is `to`; the caller frees it (km_free). */
 char *edited(const char *text, const char *place, const char *from, const char *to);
+
+/* The coordinate of a joint, by its label. */
+int fixture_coordinate(const fixture *f, const char *label);
+/* A cell of a table, by the column's name without its unit. */
+double table_cell(const km_table *table, size_t row, const char *column);
 
 /* A parallelogram with links 2 and 1 (joints A, B, C, D), its crank turned by `angle`; 0 and π are its change points.
  */
