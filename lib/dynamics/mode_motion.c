@@ -5,6 +5,7 @@
 
 #include "base/arguments.h"
 #include "dynamics/linearisation.h"
+#include "model/coordinate_column.h"
 
 #include <string.h>
 
@@ -89,12 +90,8 @@ static bool add_columns(const mode_motion *s, km_table *table) {
   bool is_oscillation = s->kind == KM_LINEAR_OSCILLATES || s->kind == KM_LINEAR_ZERO;
   bool is_ok = km_table_add_column(table, is_oscillation ? "phase" : "t",
                                    is_oscillation ? "deg" : model->units.time->suffix) >= 0;
-  for (int c = 0; c < s->linear->coordinate_count && is_ok; ++c) {
-    km_text name = {0};
-    km_text_format(&name, "q.%s", model->coordinates[c].label);
-    is_ok = !name.failed && km_table_add_column(table, name.data, km_model_coordinate_unit(model, c)) >= 0;
-    km_text_free(&name);
-  }
+  for (int c = 0; c < s->linear->coordinate_count && is_ok; ++c)
+    is_ok = km_model_add_coordinate_column(model, c, table);
   return is_ok;
 }
 

@@ -7,15 +7,11 @@
 #include "base/number/vectors.h"
 #include "base/table.h"
 #include "kmech/mobility.h"
+#include "model/coordinate_column.h"
 
 #include <string.h>
 
 static const double singular = 1e-9; /* |det D| of a grid point on an output curve, over the squares of D */
-
-static bool add_coordinate(const km_mechanism *m, km_table *table, int c) {
-  return km_table_add_joined_column(table, "q.", m->model->coordinates[c].label, "",
-                                    km_model_coordinate_unit(m->model, c));
-}
 
 /* x, y, z of the point. */
 static bool add_point(const km_map_search *g, km_table *table) {
@@ -31,11 +27,12 @@ static bool add_cell_columns(const km_map_search *g, km_table *table) {
   const km_mechanism *m = g->f.m;
   const km_map_figures *figures = g->def->figures;
   int first = g->def->axis[0].coordinate, second = g->def->axis[1].coordinate;
-  bool is_ok = table && add_coordinate(m, table, first) && add_coordinate(m, table, second) &&
+  bool is_ok = table && km_model_add_coordinate_column(m->model, first, table) &&
+               km_model_add_coordinate_column(m->model, second, table) &&
                km_table_add_joined_column(table, "sheet", "", "", "") &&
                km_table_add_joined_column(table, "aspect", "", "", "");
   for (int c = 0; is_ok && c < m->coordinate_count; ++c)
-    is_ok = c == first || c == second || add_coordinate(m, table, c);
+    is_ok = c == first || c == second || km_model_add_coordinate_column(m->model, c, table);
   for (int c = 0; is_ok && c < m->coordinate_count; ++c)
     is_ok = km_table_add_joined_column(table, "m.", m->model->coordinates[c].label, "", "");
   is_ok = is_ok && km_table_add_joined_column(table, "sigma.input", "", "", "") &&
@@ -52,7 +49,7 @@ static bool add_curve_columns(const km_map_search *g, km_table *table) {
   bool is_ok = table && km_table_add_joined_column(table, "curve", "", "", "") &&
                km_table_add_joined_column(table, "kind", "", "", "");
   for (int c = 0; is_ok && c < g->f.m->coordinate_count; ++c)
-    is_ok = add_coordinate(g->f.m, table, c);
+    is_ok = km_model_add_coordinate_column(g->f.m->model, c, table);
   return is_ok && add_point(g, table);
 }
 

@@ -21,6 +21,7 @@ typedef struct km_map_search {
   km_arena arena;
   int last_sheet;                 /* number of the newest sheet */
   size_t left_points;             /* points of curves from whose sides sheets were followed */
+  size_t crossed_points;          /* points of curves whose crossing curves were added */
   int across, down;               /* grid points along both drivers */
   double *before;                 /* [saved_size] start of a step */
   double *saved, *N;              /* [cell][saved_size], [cell][2 · columns] */
@@ -45,6 +46,28 @@ typedef struct km_map_search {
 
 /* Reports `part` of a sheet as done. KM_CANCELLED: the caller ends the map. */
 km_status km_map_report(const km_map_search *g, double part, km_error *error);
+/* Value of an axis at a grid point, and at the state, scaled. */
+double km_map_axis_value(const km_map_search *g, int axis, int i);
+double km_map_scaled_value(const km_map_search *g, int axis);
+/* True if the range of an axis ends: it isn't a full turn of a hinge. */
+bool km_map_axis_ends(const km_map_search *g, int axis);
+/* One of the four neighbours of a cell; −1: the grid ends there. */
+int km_map_neighbour(const km_map_search *g, int cell, int k);
+/* True if the state's configuration is a saved one, but for full turns of hinges. */
+bool km_map_is_at(const km_map_search *g, const double *saved);
+/* det (J; G), and in *rate its derivative along the step N du. */
+double km_map_output_determinant(km_map_search *g, const double *N, const double *du, double *rate);
+/* True if the cubic with this value and derivative at the start (or end, with the derivative's other sign) of a step
+ * has the first (last) two Bernstein coefficients of this sign. Four of them: it has no root in the step. */
+bool km_map_has_sign(double sign, double value, double rate);
+/* True if the state lies beyond a saved configuration as far as the tangents at both ends of the step du predict. */
+bool km_map_is_smooth(km_map_search *g, const double *saved, const double *N, const double *N_here, const double *du);
+/* Moves the state from a cell of the sheet to another one, in steps that keep the sign of det A, and g->kept_sign. N:
+ * workspace for the tangents. False: it isn't reached. */
+bool km_map_reach(km_map_search *g, int from, int cell, double *N);
+/* Numbers the aspect of a cell: all cells that steps of the grid connect without a singularity of the drivers or of the
+ * output. `stack`[cell] is workspace. */
+void km_map_number_aspect(km_map_search *g, int first, int *stack);
 /* Moves the state from a configuration to the grid point nearest to it. *sign: that of det A; N: workspace for the
  * tangents. Returns the cell; −1: it isn't reached. */
 int km_map_enter_grid(km_map_search *g, int *sign, double *N);

@@ -7,6 +7,7 @@
  *            neighbouring sides join aspects that the grid has parted */
 #include "space/map_workspace.h"
 
+#include "base/number/cubic.h"
 #include "base/number/vectors.h"
 #include "base/random.h"
 #include "space/real_solve.h"

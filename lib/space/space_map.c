@@ -1,16 +1,11 @@
 /* Maps over two drivers (docs/theory.md 4.19): sheets from modes, random configurations and curves, followed from cell
- * to cell.
- *
- *   predictor : dq = −A⁻¹ B du from a neighbour;   corrector: Newton's method with the drivers fixed
- *   accepted  : first correction ≤ 0.3 |dq|, and det A keeps its sign; else the step is halved */
+ * to cell (map_steps.c). */
 #include "base/arguments.h"
 #include "base/random.h"
 #include "base/table.h"
 #include "kinematics/loop_closing.h"
-#include "kinematics/loop_equations.h"
 #include "space/map_workspace.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 enum {
@@ -19,207 +14,9 @@ enum {
   CLOSING_ROUNDS = 4, /* eight steps of Newton's method each */
   CURVE_STRIDE = 4    /* points of a curve from one start of sheets to the next */
 };
-static const double most_correction = 0.3;   /* first correction over the predicted step */
-static const double shortest_part = 1e-3;    /* shortest step, a part of the way between grid points */
-static const double difference = 1e-6;       /* part of a step for a derivative along it */
-static const double most_mismatch = 0.05;    /* part of a step by which its tangents may miss its end: a turn of 45° */
 static const double leaving_distance = 0.05; /* distance of a start from its singularity curve */
-static const double same_turn = 1e-6; /* difference of angles and configurations that are one but for full turns */
-static const double least_correction = 1e-9; /* corrections below this are rounding */
 static const double most_reach =
     0.1; /* largest one of grid points to a known curve for which they don't look for another */
-
-/* Value of an axis at a grid point, scaled. */
-static double axis_value(const km_map_search *g, int axis, int i) {
-  const km_space_axis *a = &g->def->axis[axis];
-  int c = a->coordinate;
-  double value = a->from + (a->to - a->from) * i / a->steps;
-  return value * g->f.m->factor[c] / g->f.m->unit[c];
-}
-
-static double scaled_value(const km_map_search *g, int axis) {
-  int c = g->def->axis[axis].coordinate;
-  return g->f.s->q[c] / g->f.m->unit[c];
-}
-
-/* Closes the loops with the drivers fixed, where a step was predicted. */
-static bool close_cell(km_map_search *g, double predicted, int *sign) {
-  return km_driver_surface_close(&g->f, most_correction * predicted + least_correction, sign);
-}
-
-/* Adds a part of the step N du to the configuration. Returns the step's largest component. */
-static double move_along(km_map_search *g, const double *N, const double *du, double part) {
-  km_driver_surface *f = &g->f;
-  double largest = 0.0;
-  for (int k = 0; k < f->columns; ++k) {
-    f->step[k] = part * (du[0] * N[k] + du[1] * N[f->columns + k]);
-    largest = fmax(largest, fabs(f->step[k]));
-  }
-  km_driver_surface_move(f, f->step);
-  return largest;
-}
-
-/* det (J; G), and in rate[0] its derivative along the step N du. */
-static double output_determinant(km_map_search *g, const double *N, const double *du, double *rate) {
-  double D = km_driver_surface_determinant(&g->f, KM_CURVE_OUTPUT, g->K, g->row);
-  move_along(g, N, du, difference);
-  *rate = (km_driver_surface_determinant(&g->f, KM_CURVE_OUTPUT, g->K, g->row) - D) / difference;
-  move_along(g, N, du, -difference);
-  return D;
-}
-
-/* True if the cubic with this value and derivative at the start (or end, with the derivative's other sign) of a step
- * has the first (last) two Bernstein coefficients of this sign. Four of them: it has no root in the step. */
-static bool has_sign(double sign, double value, double rate) {
-  return sign * value > 0.0 && sign * (value + rate / 3.0) > 0.0;
-}
-
-/* True if the state lies beyond a saved configuration as far as the tangents at both ends of the step du predict. */
-static bool is_smooth(km_map_search *g, const double *saved, const double *N, const double *N_here, const double *du) {
-  km_driver_surface *f = &g->f;
-  double change = km_driver_surface_difference(f, saved, f->step), sum = 0.0;
-  for (int k = 0; k < f->columns; ++k) {
-    double mean = 0.5 * (du[0] * (N[k] + N_here[k]) + du[1] * (N[f->columns + k] + N_here[f->columns + k]));
-    sum += (f->step[k] - mean) * (f->step[k] - mean);
-  }
-  return sqrt(sum) <= most_mismatch * change;
-}
-
-/* Moves the drivers by `part` of the way to a grid point, from a configuration with tangents N. */
-static bool advance(km_map_search *g, const double *target, const double *N, int sign, double part) {
-  km_driver_surface *f = &g->f;
-  double du[2], rate, D;
-  int reached;
-  for (int d = 0; d < 2; ++d)
-    du[d] = (target[d] - scaled_value(g, d)) * part;
-  if (g->kept_sign) {
-    D = output_determinant(g, N, du, &rate);
-    if (!has_sign(g->kept_sign, D, rate))
-      return false;
-  }
-  if (!close_cell(g, move_along(g, N, du, 1.0), &reached) || reached != sign)
-    return false;
-  if (!g->kept_sign)
-    return true;
-  km_driver_surface_rates(f, g->kept_N);
-  if (!is_smooth(g, g->before, N, g->kept_N, du))
-    return false;
-  D = output_determinant(g, g->kept_N, du, &rate);
-  km_driver_surface_update(f);
-  return has_sign(g->kept_sign, D, -rate) && km_driver_surface_factor(f, &reached);
-}
-
-/* Moves to a grid point from the configuration g->before with tangents N; a rejected step is halved. */
-static bool move_to(km_map_search *g, const double *target, double *N, int sign) {
-  km_driver_surface *f = &g->f;
-  double left = 1.0, step = 1.0; /* parts of the whole step */
-  while (left > 0.0) {
-    km_driver_surface_restore(f, g->before);
-    step = fmin(step, left);
-    if (advance(g, target, N, sign, step / left)) {
-      left = step == left ? 0.0 : left - step;
-      step *= 2.0;
-      if (left > 0.0) {
-        km_driver_surface_save(f, g->before);
-        km_driver_surface_rates(&g->f, N);
-      }
-    } else {
-      step *= 0.5;
-      if (step < shortest_part)
-        return false;
-    }
-  }
-  return true;
-}
-
-/* Tries a cell from its neighbour. */
-static bool reach(km_map_search *g, int from, int cell, double *N) {
-  const double target[2] = {axis_value(g, 0, cell % g->across), axis_value(g, 1, cell / g->across)};
-  size_t saved = g->f.saved_size, size = 2 * (size_t)g->f.columns;
-  memcpy(g->before, g->saved + (size_t)from * saved, saved * sizeof *g->before);
-  memcpy(N, g->N + (size_t)from * size, size * sizeof *N);
-  return move_to(g, target, N, g->sign[from]);
-}
-
-/* One of the four neighbours of a cell; −1: the grid ends there. */
-static int neighbour(const km_map_search *g, int cell, int k) {
-  static const int side[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
-  int i = cell % g->across + side[k][0], j = cell / g->across + side[k][1];
-  return i < 0 || j < 0 || i >= g->across || j >= g->down ? -1 : j * g->across + i;
-}
-
-/* True if the range of an axis ends: it isn't a full turn of a hinge. */
-static bool axis_ends(const km_map_search *g, int axis) {
-  const km_space_axis *a = &g->def->axis[axis];
-  double turn = fabs(a->to - a->from) * g->f.m->factor[a->coordinate];
-  return !km_coordinate_turns(g->f.m, a->coordinate) || fabs(turn - 2.0 * M_PI) > same_turn;
-}
-
-/* The cell across the seam of an axis that is a full turn of a hinge: the same configuration; −1: there is none. */
-static int across_seam(km_map_search *g, int cell, int axis) {
-  int i = cell % g->across, j = cell / g->across, last = axis == 0 ? g->across - 1 : g->down - 1;
-  int at = axis == 0 ? i : j, other = last - at;
-  if ((at != 0 && at != last) || axis_ends(g, axis))
-    return -1;
-  int next = axis == 0 ? j * g->across + other : other * g->across + i;
-  if (!g->sign[next] || !g->is_written[next])
-    return -1;
-  km_driver_surface_restore(&g->f, g->saved + (size_t)cell * g->f.saved_size);
-  return km_driver_surface_difference(&g->f, g->saved + (size_t)next * g->f.saved_size, g->f.step) < same_turn ? next
-                                                                                                               : -1;
-}
-
-/* True if the step between two neighbours leads from one configuration to the other without a root of det (J; G). The
- * tangents and the cubic of det (J; G) show that, or the step is followed: two curves may cross the step near the place
- * where they cross each other. */
-static bool is_one_aspect(km_map_search *g, int cell, int next) {
-  km_driver_surface *f = &g->f;
-  if (!g->is_written[next] || g->output_sign[next] != g->output_sign[cell])
-    return false;
-  bool has_point = f->frame >= 0;
-  int axis = abs(next - cell) == 1 ? 0 : 1;
-  double sense = next > cell ? 1.0 : -1.0, step = sense * (axis_value(g, axis, 1) - axis_value(g, axis, 0));
-  const double du[2] = {axis == 0 ? step : 0.0, axis == 1 ? step : 0.0};
-  size_t columns = 2 * (size_t)f->columns;
-  const double *saved = g->saved + (size_t)cell * f->saved_size, *there = g->saved + (size_t)next * f->saved_size;
-  const double *D = g->output + (has_point ? 3 * (size_t)cell : 0),
-               *D_there = g->output + (has_point ? 3 * (size_t)next : 0);
-  double sign = D[0] < 0.0 ? -1.0 : 1.0;
-  km_driver_surface_restore(f, there);
-  if (is_smooth(g, saved, g->N + (size_t)cell * columns, g->N + (size_t)next * columns, du) &&
-      (!has_point ||
-       (has_sign(sign, D[0], sense * D[1 + axis]) && has_sign(sign, D_there[0], -sense * D_there[1 + axis]))))
-    return true;
-  g->kept_sign = has_point ? (int)sign : 0;
-  bool is_kept = reach(g, cell, next, g->edge_N) && km_driver_surface_difference(f, there, f->step) < same_turn;
-  g->kept_sign = 0;
-  return is_kept;
-}
-
-/* Numbers the aspect of a cell: all cells that steps of the grid connect without a singularity of the drivers or of the
- * output. `stack`[cell] is workspace. */
-static void number_aspect(km_map_search *g, int first, int *stack) {
-  int size = 0;
-  g->aspect[first] = ++g->aspect_count;
-  stack[size++] = first;
-  while (size > 0) {
-    int cell = stack[--size];
-    for (int k = 0; k < 4; ++k) {
-      int next = neighbour(g, cell, k);
-      if (next < 0 || g->aspect[next] || !is_one_aspect(g, cell, next))
-        continue;
-      g->aspect[next] = g->aspect_count;
-      stack[size++] = next;
-    }
-    for (int d = 0; d < 2; ++d) {
-      int next = across_seam(g, cell, d);
-      if (next < 0 || g->aspect[next])
-        continue;
-      g->aspect[next] = g->aspect_count;
-      stack[size++] = next;
-    }
-  }
-}
 
 /* Writes the rows of the sheet's `count` cells, in the order in which they were reached. */
 static bool write_sheet(km_map_search *g, int count) {
@@ -231,7 +28,7 @@ static bool write_sheet(km_map_search *g, int count) {
       continue;
     bool is_singular = g->f.frame >= 0 && g->output_sign[cell] == 0;
     if (!g->aspect[cell] && !is_singular)
-      number_aspect(g, cell, g->queue + count);
+      km_map_number_aspect(g, cell, g->queue + count);
     double *row = km_table_add_row(g->out->cells);
     if (!row)
       return false;
@@ -243,7 +40,7 @@ static bool write_sheet(km_map_search *g, int count) {
 
 km_known_configuration *km_map_find_known(const km_map_search *g, int cell) {
   km_known_configuration *at = g->known[cell];
-  while (at && !(km_driver_surface_difference(&g->f, at->saved, g->f.step) < same_turn))
+  while (at && !km_map_is_at(g, at->saved))
     at = at->next;
   return at;
 }
@@ -271,30 +68,12 @@ static bool record(km_map_search *g, int sheet, int cell, int sign, int *tail) {
   bool is_ok = note_configuration(g, cell) && km_map_fill_row(g, cell, sheet, N, &output_sign);
   g->output_sign[cell] = (signed char)output_sign;
   for (int d = 0; d < 2 && f->frame >= 0; ++d) {
-    const double step = axis_value(g, d, 1) - axis_value(g, d, 0), du[2] = {d == 0 ? step : 0.0, d == 1 ? step : 0.0};
+    const double step = km_map_axis_value(g, d, 1) - km_map_axis_value(g, d, 0),
+                 du[2] = {d == 0 ? step : 0.0, d == 1 ? step : 0.0};
     double *at = g->output + 3 * (size_t)cell;
-    at[0] = output_determinant(g, N, du, &at[1 + d]);
+    at[0] = km_map_output_determinant(g, N, du, &at[1 + d]);
   }
   return is_ok;
-}
-
-int km_map_enter_grid(km_map_search *g, int *sign, double *N) {
-  int at[2];
-  for (int d = 0; d < 2; ++d) {
-    const km_space_axis *a = &g->def->axis[d];
-    if (km_coordinate_turns(g->f.m, a->coordinate)) { /* the full turn that is nearest to the range */
-      double middle = 0.5 * (a->from + a->to) * g->f.m->factor[a->coordinate];
-      g->f.s->q[a->coordinate] = middle + remainder(g->f.s->q[a->coordinate] - middle, 2.0 * M_PI);
-    }
-    double part = (km_state_value(g->f.s, a->coordinate) - a->from) / (a->to - a->from) * a->steps;
-    at[d] = (int)round(fmin(fmax(part, 0.0), a->steps));
-  }
-  const double target[2] = {axis_value(g, 0, at[0]), axis_value(g, 1, at[1])};
-  if (!close_cell(g, 1.0, sign))
-    return -1;
-  km_driver_surface_save(&g->f, g->before);
-  km_driver_surface_rates(&g->f, N);
-  return move_to(g, target, N, *sign) ? at[1] * g->across + at[0] : -1;
 }
 
 /* Visits the four neighbours of a cell. `*is_edge`: one of them isn't reached. `*is_turned`: det D has another sign
@@ -302,10 +81,10 @@ int km_map_enter_grid(km_map_search *g, int *sign, double *N) {
 static bool visit_neighbours(km_map_search *g, int sheet, int cell, double *N, int *tail, bool *is_edge,
                              bool *is_turned) {
   for (int k = 0; k < 4; ++k) {
-    int next = neighbour(g, cell, k);
+    int next = km_map_neighbour(g, cell, k);
     if (next < 0)
       continue;
-    if (!g->sign[next] && !reach(g, cell, next, N))
+    if (!g->sign[next] && !km_map_reach(g, cell, next, N))
       *is_edge = true;
     else if (!g->sign[next] && !km_map_find_known(g, next) && !record(g, sheet, next, g->sign[cell], tail))
       return false;
@@ -355,11 +134,11 @@ static bool add_limits(km_map_search *g, int cell) {
                                     .column = g->f.control[d],
                                     .bound = bound,
                                     .is_signed = bound < 0.0 && g->f.m->model->coordinates[a->coordinate].is_strut};
-    if ((at[d] == 0 || at[d] == last[d]) && g->is_written[cell] && axis_ends(g, d))
+    if ((at[d] == 0 || at[d] == last[d]) && g->is_written[cell] && km_map_axis_ends(g, d))
       is_ok = km_surface_curves_add(g->curves, &limit, g->saved + (size_t)cell * g->f.saved_size, g->curve_reach);
   }
   for (int k = 0; is_ok && g->is_written[cell] && k < 4; ++k) {
-    int next = neighbour(g, cell, k);
+    int next = km_map_neighbour(g, cell, k);
     if (next >= 0 && g->sign[next] && !g->is_written[next])
       is_ok = (!g->f.keeps_limits || add_exceeded_limits(g, next)) && add_near_pairs(g, cell, next);
   }
@@ -453,7 +232,7 @@ static km_status prepare(km_map_search *g, km_error *error) {
     f->high[d] = fmax(def->axis[d].from, def->axis[d].to);
   }
   for (int d = 0; d < 2; ++d)
-    f->is_full_turn[d] = !axis_ends(g, d);
+    f->is_full_turn[d] = !km_map_axis_ends(g, d);
   f->keeps_limits = def->within_limits;
   f->kept = (km_kept_clearance){.clearance = def->clearance, .least = def->least_clearance};
   km_status status = km_driver_surface_create(f, drivers, 2, &g->arena, error);
@@ -462,7 +241,7 @@ static km_status prepare(km_map_search *g, km_error *error) {
   if (status)
     return status;
   for (int d = 0; d < 2; ++d)
-    g->curve_reach = fmax(g->curve_reach, 3.0 * fabs(axis_value(g, d, 1) - axis_value(g, d, 0)));
+    g->curve_reach = fmax(g->curve_reach, 3.0 * fabs(km_map_axis_value(g, d, 1) - km_map_axis_value(g, d, 0)));
   g->curve_reach = fmin(g->curve_reach, most_reach);
   g->across = def->axis[0].steps + 1;
   g->down = def->axis[1].steps + 1;
@@ -530,7 +309,7 @@ static bool close_at_random(km_map_search *g, int cell, uint64_t *random) {
   for (int k = 0; k < f->columns; ++k)
     f->step[k] = M_PI * km_uniform(random); /* a hinge: a full turn; a slide: ±π sizes */
   for (int d = 0; d < 2; ++d)
-    f->step[f->control[d]] = axis_value(g, d, at[d]) - scaled_value(g, d);
+    f->step[f->control[d]] = km_map_axis_value(g, d, at[d]) - km_map_scaled_value(g, d);
   km_driver_surface_move(f, f->step);
   for (int i = 0; i < CLOSING_ROUNDS && !is_closed; ++i)
     is_closed = km_driver_surface_close(f, HUGE_VAL, &sign);
@@ -560,8 +339,8 @@ static km_status add_crossing_curves(km_map_search *g, km_error *error) {
   km_status status = KM_OK;
   size_t count;
   km_surface_curves_points(g->curves, &count);
-  for (size_t i = 0; !status && i < count; ++i) {
-    const km_curve_point at = km_surface_curves_points(g->curves, &count)[i];
+  for (; !status && g->crossed_points < count; ++g->crossed_points) {
+    const km_curve_point at = km_surface_curves_points(g->curves, &count)[g->crossed_points];
     const km_surface_curve other = {.kind = at.crossing};
     if (!at.is_crossing || at.crossing == at.of.kind)
       continue;
@@ -577,7 +356,19 @@ static km_status move_to_mode(km_map_search *g, const km_all_modes *modes, int i
   return km_state_set_coordinates(m, g->f.s, modes->coordinates + (size_t)i * (size_t)m->coordinate_count, error);
 }
 
-/* Follows the sheets of all modes, and those that only curves and random starts lead to. */
+/* Adds curves and sheets that known curves lead to, until there are no further ones. */
+static km_status follow_curves(km_map_search *g, km_error *error) {
+  km_status status = KM_OK;
+  for (int before = -1; !status && before < km_surface_curves_count(g->curves);) {
+    before = km_surface_curves_count(g->curves);
+    status = add_crossing_curves(g, error);
+    if (!status && !g->def->own_sheet)
+      status = follow_sheets_of_curves(g, error);
+  }
+  return status;
+}
+
+/* Follows the sheets of all modes, and those that random starts lead to. */
 static km_status follow_sheets(km_map_search *g, const km_all_modes *modes, km_error *error) {
   km_driver_surface *f = &g->f;
   km_status status = KM_OK;
@@ -594,23 +385,14 @@ static km_status follow_sheets(km_map_search *g, const km_all_modes *modes, km_e
     }
   }
   g->last_sheet = modes->count;
-  if (status || modes->count == 0 || g->def->own_sheet)
-    return status;
-  status = follow_sheets_of_random_starts(g, home, error);
-  for (int before = -1; !status && before < km_surface_curves_count(g->curves);) {
-    before = km_surface_curves_count(g->curves);
-    status = add_crossing_curves(g, error);
-    if (!status)
-      status = follow_sheets_of_curves(g, error);
-  }
-  return status;
+  return status || modes->count == 0 || g->def->own_sheet ? status : follow_sheets_of_random_starts(g, home, error);
 }
 
 /* Finds sheets, curves and the workspace. */
 static km_status find(km_map_search *g, const km_all_modes *modes, km_error *error) {
   km_status status = follow_sheets(g, modes, error);
   if (!status)
-    status = add_crossing_curves(g, error);
+    status = follow_curves(g, error);
   g->out->curve_count = km_surface_curves_count(g->curves);
   g->out->aspect_count = g->aspect_count;
   return status || g->f.frame < 0 ? status : km_map_find_workspace(g, error);

@@ -10,12 +10,12 @@
  * where another curve crosses, and det M, where one of its own kind does; the component of t of a number of the design,
  * which has an extremum there. */
 #include "space/surface_curves.h"
+#include "base/number/cubic.h"
 #include "base/number/vectors.h"
 
 #include "base/event_locator.h"
 #include "base/random.h"
 #include "space/critical_kind.h"
-#include "space/outline.h"
 #include "space/real_solve.h"
 
 #include <stdlib.h>

@@ -11,6 +11,7 @@
 #include "base/arguments.h"
 #include "kinematics/loop_closing.h"
 #include "kmech/continuation.h"
+#include "model/coordinate_column.h"
 #include "space/driver_circuit.h"
 #include "space/surface_curves.h"
 
@@ -238,16 +239,11 @@ static km_status examine_intervals(turning_search *g, const double *start, km_tu
 
 static bool add_columns(const km_mechanism *m, km_table *table) {
   static const char *const first[] = {"curve", "number", "critical"};
-  km_text name = {0};
   bool is_ok = table != NULL;
   for (int i = 0; is_ok && i < 3; ++i)
     is_ok = km_table_add_column(table, first[i], "") >= 0;
-  for (int c = 0; is_ok && c < m->coordinate_count; ++c) {
-    name.size = 0;
-    km_text_format(&name, "q.%s", m->model->coordinates[c].label);
-    is_ok = !name.failed && km_table_add_column(table, name.data, km_model_coordinate_unit(m->model, c)) >= 0;
-  }
-  km_text_free(&name);
+  for (int c = 0; is_ok && c < m->coordinate_count; ++c)
+    is_ok = km_model_add_coordinate_column(m->model, c, table);
   return is_ok;
 }
 

@@ -70,8 +70,8 @@ void kt_flush(kt_common *common);
 /* Seconds of the monotonic clock. */
 double kt_clock(void);
 
-/* From here on Ctrl-C or SIGTERM ends long work with KM_CANCELLED, so that a command can keep what is finished; the
- * next one ends the program. */
+/* Installs handlers: the first Ctrl-C or SIGTERM ends long work with KM_CANCELLED, so that a command can write the
+ * finished part; the second one ends the program. */
 void kt_interrupts_catch(void);
 void kt_interrupts_release(void);
 bool kt_is_interrupted(void);

@@ -2,9 +2,12 @@
 #include "space/path/path_table.h"
 
 #include "base/table.h"
+#include "model/coordinate_column.h"
 #include "space/path/path_spline.h"
 
-enum { LEAST_INTERVALS = 100 }; /* a spline through so many has the acceleration of a cycloid to 5e-4 */
+enum {
+  LEAST_INTERVALS = 100
+}; /* rows of the motion: the spline through 101 of them has a cycloid's acceleration to 5e-4 */
 
 /* Place of a coordinate among the drivers; −1: it is none. */
 static int driver_index(const km_path_steps *g, int coordinate) {
@@ -14,21 +17,16 @@ static int driver_index(const km_path_steps *g, int coordinate) {
   return d;
 }
 
-static bool add_column(const km_path_steps *g, int coordinate, km_table *table) {
-  const km_model *model = g->f.m->model;
-  return km_table_add_joined_column(table, "q.", model->coordinates[coordinate].label, "",
-                                    km_model_coordinate_unit(model, coordinate));
-}
-
 bool km_path_table_create(const km_path_steps *g, km_space_path *out) {
   out->table = km_table_create();
   out->motion = km_table_create();
   bool is_ok = out->table && out->motion && km_table_add_joined_column(out->table, "s", "", "", "") &&
                km_table_add_joined_column(out->motion, "t", "", "", "");
   for (int d = 0; is_ok && d < g->f.control_count; ++d)
-    is_ok = add_column(g, g->def->drivers[d], out->table) && add_column(g, g->def->drivers[d], out->motion);
+    is_ok = km_model_add_coordinate_column(g->f.m->model, g->def->drivers[d], out->table) &&
+            km_model_add_coordinate_column(g->f.m->model, g->def->drivers[d], out->motion);
   for (int c = 0; is_ok && c < g->f.m->coordinate_count; ++c)
-    is_ok = driver_index(g, c) >= 0 || add_column(g, c, out->table);
+    is_ok = driver_index(g, c) >= 0 || km_model_add_coordinate_column(g->f.m->model, c, out->table);
   return is_ok && km_table_add_joined_column(out->table, "sigma.input", "", "", "");
 }
 
