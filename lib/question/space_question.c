@@ -3,8 +3,9 @@
  *
  *   modes : a row for each assembly mode with some joints locked; "max mode" and "max circuit" are their numbers
  *   map   : a row for each grid point over two drivers, on the sheet of the state. reached = 1, or 0 where the sheet
- *           doesn't come; sigma.input, sigma.output and manipulability are then 0, as at a singularity. "mean reached"
- *           is the share of the range that is free of singularities of the drivers
+ *           doesn't come; sigma.input, sigma.output and manipulability are then 0, as at a singularity, and NaN where
+ *           limits or a least clearance leave out the point. "mean reached" is the share of the range that is free of
+ *           singularities of the drivers and allowed
  *   turning : one row, of the driver on the circuit of the state: turns = 1 if it goes fully round, else 0; range
  *           between its dead points, a full turn if it turns, infinite if a motion without end has none */
 #include "kmech/inspect.h"
@@ -29,7 +30,18 @@ static const km_option modes_options[MODES_OPTIONS] = {
     {"limits", KM_OPTION_FLAG, NULL, "", NULL, "Modes within the joint limits only", 0, 0, NULL, false},
 };
 
-enum { MAP_JOINTS, MAP_FIRST_RANGE, MAP_SECOND_RANGE, MAP_GRID, MAP_POINT, MAP_OPTIONS };
+enum {
+  MAP_JOINTS,
+  MAP_FIRST_RANGE,
+  MAP_SECOND_RANGE,
+  MAP_GRID,
+  MAP_SECOND_GRID,
+  MAP_POINT,
+  MAP_ASK,
+  MAP_LIMITS,
+  MAP_CLEARANCE,
+  MAP_OPTIONS
+};
 
 static const km_option map_options[MAP_OPTIONS] = {
     {"joints", KM_OPTION_COORDINATES, "JOINT", "", "the two joints of the model's analysis.actuators", "Both drivers",
@@ -39,10 +51,19 @@ static const km_option map_options[MAP_OPTIONS] = {
     {"second-range", KM_OPTION_RANGE, "FROM:TO", "driver's", "the joint's limits, or a full turn",
      "Range of the second driver", 0, 0, NULL, false},
     {"steps", KM_OPTION_WHOLE, "N", "", "40", "Intervals of both ranges", 1, KM_MAX_MAP_STEPS, NULL, false},
+    {"second-steps", KM_OPTION_WHOLE, "N", "", "those of `steps`", "Intervals of the second range", 1, KM_MAX_MAP_STEPS,
+     NULL, false},
     {"point", KM_OPTION_POINTS, "BODY/FRAME", "", NULL,
      "Add the place of a point of a planar mechanism and its "
      "Jacobian's figures",
      0, 0, NULL, false},
+    {"ask", KM_OPTION_WORD, "QUESTION", "", NULL,
+     "Add the leverage (advantage), the forces of the actuators (forces) or the least clearance of bodies (clearance) to "
+     "each grid point; mobility (default) adds nothing",
+     0, KM_MAP_ASK_CLEARANCE, KM_MAP_ASK_WORDS, false},
+    {"limits", KM_OPTION_FLAG, NULL, "", NULL, "Leave out grid points beyond the joint limits", 0, 0, NULL, false},
+    {"clearance", KM_OPTION_NUMBER, "X", "length", NULL, "Leave out grid points in which bodies are nearer than X",
+     -HUGE_VAL, HUGE_VAL, NULL, false},
 };
 
 enum { TURNING_JOINT, TURNING_OPTIONS };
@@ -169,13 +190,14 @@ static km_status read_range(const km_question *q, int option, km_space_axis *axi
 static km_status prepare_map(km_question *q, km_error *error) {
   kind_data *o = q->kind_data;
   const km_option_value *joints = km_question_own_value(q, MAP_JOINTS), *steps = km_question_own_value(q, MAP_GRID),
-                        *point = km_question_own_value(q, MAP_POINT);
+                        *second_steps = km_question_own_value(q, MAP_SECOND_GRID),
+                        *point = km_question_own_value(q, MAP_POINT), *limits = km_question_own_value(q, MAP_LIMITS);
   const km_model *model = q->m->model;
   if ((joints ? joints->count : km_model_actuator_count(model)) != 2)
     return km_fail(error, KM_USAGE, "`joints`: expected the two drivers of a map, or two in analysis.actuators");
   if (point && point->count != 1)
     return km_fail(error, KM_USAGE, "`point`: expected one point of a map");
-  o->def = (km_space_map_def){.own_sheet = true, .has_point = point != NULL};
+  o->def = (km_space_map_def){.own_sheet = true, .has_point = point != NULL, .within_limits = limits && limits->flag};
   if (point) {
     o->def.frame = point->points[0].frame;
     o->def.point_name = point->points[0].name;
@@ -184,7 +206,7 @@ static km_status prepare_map(km_question *q, km_error *error) {
   for (int d = 0; d < 2 && !status; ++d) {
     km_space_axis *axis = &o->def.axis[d];
     axis->coordinate = joints ? joints->coordinates[d] : km_model_actuator(model, d);
-    axis->steps = steps ? steps->whole : MAP_STEPS;
+    axis->steps = d == 1 && second_steps ? second_steps->whole : steps ? steps->whole : MAP_STEPS;
     status = read_range(q, d == 0 ? MAP_FIRST_RANGE : MAP_SECOND_RANGE, axis, error);
   }
   return status;
@@ -224,9 +246,9 @@ static bool add_map_columns(const km_table *cells, km_table *table) {
 }
 
 /* Adds the row of a grid point: step, s, reached, then the cell, whose first columns are the drivers. cell: NULL, the
- * sheet doesn't come. */
+ * point is not reached. */
 static bool add_map_row(const km_space_map_def *def, const km_table *cells, int point, const double *cell,
-                        km_table *table) {
+                        bool is_left_out, km_table *table) {
   int across = def->axis[0].steps + 1;
   size_t width = km_table_columns(cells);
   double *row = km_table_add_row(table);
@@ -235,39 +257,79 @@ static bool add_map_row(const km_space_map_def *def, const km_table *cells, int 
   row[0] = row[1] = point;
   row[2] = cell != NULL;
   for (size_t c = 0; c < width; ++c)
-    row[FIRST + c] = cell ? cell[c] : is_zero_at_singularity(km_table_name(cells, c)) ? 0.0 : nan("");
+    row[FIRST + c] = cell ? cell[c] : !is_left_out && is_zero_at_singularity(km_table_name(cells, c)) ? 0.0 : nan("");
   row[FIRST] = axis_value(&def->axis[0], point % across);
   row[FIRST + 1] = axis_value(&def->axis[1], point / across);
   return true;
 }
 
-static bool fill_map(const km_space_map_def *def, const km_table *cells, km_table *table) {
+/* cells: those that limits and clearance allow; all: those without these conditions. */
+static bool fill_map(const km_space_map_def *def, const km_table *cells, const km_table *all, km_table *table) {
   int points = (def->axis[0].steps + 1) * (def->axis[1].steps + 1);
-  int *rows = KM_NEW(int, (size_t)points);
+  int *rows = KM_NEW(int, 2 * (size_t)points), *all_rows = rows ? rows + points : NULL;
   bool is_ok = rows && add_map_columns(cells, table);
-  if (rows)
+  if (rows) {
     index_cells(def, cells, points, rows);
+    index_cells(def, all, points, all_rows);
+  }
   for (int p = 0; is_ok && p < points; ++p)
-    is_ok = add_map_row(def, cells, p, rows[p] >= 0 ? km_table_row(cells, (size_t)rows[p]) : NULL, table);
+    is_ok =
+        add_map_row(def, cells, p, rows[p] >= 0 ? km_table_row(cells, (size_t)rows[p]) : NULL, all_rows[p] >= 0, table);
   km_free(rows);
   return is_ok;
 }
 
+/* Figures and least clearance of the definition; free them in any case. */
+static km_status create_map_parts(const km_question *q, km_state *s, km_space_map_def *def, km_map_figures **figures,
+                                  km_clearance **clearance, km_error *error) {
+  const km_option_value *ask = km_question_own_value(q, MAP_ASK), *least = km_question_own_value(q, MAP_CLEARANCE);
+  const int drivers[2] = {def->axis[0].coordinate, def->axis[1].coordinate};
+  km_status status =
+      km_map_figures_create(q->m, s, ask ? (km_map_ask)ask->whole : KM_MAP_ASK_MOBILITY, drivers, figures, error);
+  if (!status && least)
+    status = km_question_prepare_clearance(q, s, NULL, clearance, error);
+  def->figures = *figures;
+  def->clearance = *clearance;
+  def->least_clearance = least ? least->numbers[0] : 0.0;
+  return status;
+}
+
+/* Computes the sheet of the mode, and where limits or a clearance leave out cells, that without these conditions. */
+static km_status compute_maps(km_question *q, km_state *s, const km_space_map_def *def, const km_all_modes *own,
+                              km_error *error) {
+  kind_data *o = q->kind_data;
+  km_space_map_def free_def = *def;
+  km_space_map map = {0}, all = {0};
+  bool has_conditions = def->within_limits || def->clearance;
+  free_def.within_limits = false;
+  free_def.clearance = NULL;
+  km_status status = km_space_map_compute(q->m, s, def, own, q->progress, q->context, &map, error);
+  if (!status && has_conditions)
+    status = km_space_map_compute(q->m, s, &free_def, own, q->progress, q->context, &all, error);
+  if (!status) {
+    o->table = km_table_create();
+    if (!fill_map(def, map.cells, has_conditions ? all.cells : map.cells, o->table))
+      status = no_memory(error);
+  }
+  km_space_map_free(&map);
+  km_space_map_free(&all);
+  return status;
+}
+
 /* The sheet of the state: a list of modes that has it alone. */
 static km_status answer_map(km_question *q, km_state *s, km_error *error) {
-  kind_data *o = q->kind_data;
-  km_space_map map = {0};
+  km_space_map_def def = ((const kind_data *)q->kind_data)->def;
+  km_map_figures *figures = NULL;
+  km_clearance *clearance = NULL;
   km_all_modes own = {.count = 1, .coordinates = KM_NEW(double, (size_t)q->m->coordinate_count + 1)};
   km_status status = own.coordinates ? km_state_coordinates(q->m, s, own.coordinates, error) : no_memory(error);
   if (!status)
-    status = km_space_map_compute(q->m, s, &o->def, &own, q->progress, q->context, &map, error);
-  if (!status) {
-    o->table = km_table_create();
-    if (!fill_map(&o->def, map.cells, o->table))
-      status = no_memory(error);
-  }
+    status = create_map_parts(q, s, &def, &figures, &clearance, error);
+  if (!status)
+    status = compute_maps(q, s, &def, &own, error);
   km_free(own.coordinates);
-  km_space_map_free(&map);
+  km_clearance_free(clearance);
+  km_map_figures_free(figures);
   return status;
 }
 

@@ -1,7 +1,6 @@
 /* kspace map: sheets over two drivers, singularity curves, and further figures of each cell. */
 #include "kspace/kspace.h"
 #include "kspace/map_answer.h"
-#include "kspace/map_figures.h"
 
 #include "kmech/clearance.h"
 #include "kmech/data.h"
@@ -214,12 +213,17 @@ static kt_exit check_picture(const options *o, const kt_pose *pose, const km_spa
 static kt_exit run(const options *o, const kt_pose *pose) {
   map_answer a = {.o = o, .pose = pose};
   const kspace_answer forms = {&a, record_map, print_map, write_format};
-  kspace_map_figures figures = {0};
+  km_map_figures *figures = NULL;
   kt_exit result = read_axes(o, pose->model, &a.def);
   if (result == KT_DONE) {
     const int drivers[2] = {a.def.axis[0].coordinate, a.def.axis[1].coordinate};
-    result = kspace_map_figures_create(&o->common, pose, (kspace_ask)o->ask, drivers, &figures);
-    a.def.figures = figures.figures.count > 0 ? &figures.figures : NULL;
+    km_error error;
+    km_status status =
+        km_map_figures_create(pose->mechanism, pose->state, (km_map_ask)o->ask, drivers, &figures, &error);
+    if (status)
+      kt_print_message(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
+    result = kt_exit_of(status);
+    a.def.figures = figures;
   }
   km_clearance *clearance = NULL;
   if (result == KT_DONE)
@@ -233,7 +237,7 @@ static kt_exit run(const options *o, const kt_pose *pose) {
     result = kspace_deliver(&o->common, &o->formats, o->base, &forms);
   if (result == KT_DONE && is_partial(&a))
     result = KT_PARTIAL;
-  kspace_map_figures_free(&figures);
+  km_map_figures_free(figures);
   km_clearance_free(clearance);
   km_space_map_free(&a.map);
   km_all_modes_free(&a.modes);
@@ -255,7 +259,7 @@ kt_exit kspace_map(int argc, char **argv) {
        KT_ABOUT_MODEL},
       {"ask", 0, "QUESTION",
        "Add the leverage (advantage), the forces of the actuators (forces) or the least clearance of bodies (clearance) to each cell",
-       KT_WORD(KSPACE_ASK_WORDS), &o.ask, KT_ABOUT_MODEL},
+       KT_WORD(KM_MAP_ASK_WORDS), &o.ask, KT_ABOUT_MODEL},
       {"show", 0, "COLUMN", "The column that the picture's colours show (default: the last that --ask or --point adds)",
        KT_TEXT, &o.show, KT_ABOUT_FILES},
       {"over-point", 0, NULL, "Draw the picture over the place of --point: the workspace", KT_FLAG, &o.over_point,

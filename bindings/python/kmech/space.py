@@ -101,8 +101,9 @@ class Workspace(NamedTuple):
 
 class SpaceMap(NamedTuple):
     """A map over two drivers. cells: a row for each grid point that a sheet reaches, with the sheet's mode, q. and m. of every
-    coordinate, sigma.input and sigma.closure, with a point its place, sigma.output and manipulability. curves: points of the
-    curves; kind 0: singularity of the drivers, 1: of the point, 2: an end of a range or a limit. complete: the modes from which the sheets
+    coordinate, sigma.input and sigma.closure, with a point its place, sigma.output and manipulability, then the columns of `ask`.
+    curves: points of the curves; kind 0: singularity of the drivers, 1: of the point, 2: an end of a range or a limit, 3: the
+    least clearance. complete: the modes from which the sheets
     were followed are all modes at the state. workspace: of the point; None without one."""
 
     cells: Table
@@ -120,8 +121,25 @@ def _workspace(found: Any) -> Workspace:
                      aspects)
 
 
-def space_map(mechanism: Mechanism, state: State, over: Mapping[str, Tuple[float, float, int]],
-              point: Optional[str], seed: int, progress: Progress) -> SpaceMap:
+ASKS = ("mobility", "advantage", "forces", "clearance")  # in the order of km_map_ask
+
+
+def _map_parts(mechanism: Mechanism, state: State, ask: str, locked: Any, clearance: Optional[float]) -> Tuple[Any, Any]:
+    """The figures that the map adds to its cells, and the pairs of bodies that keep a clearance; NULL: none."""
+    error, figures, pairs = new_error(), ffi.new("km_map_figures **"), ffi.new("km_clearance **")
+    if ask not in ASKS:
+        raise UsageError(f"ask={ask!r}: expected one of {', '.join(ASKS)}")
+    check(lib.km_map_figures_create(mechanism._c, state._c, ASKS.index(ask), locked, figures, error), error)
+    added = ffi.gc(figures[0], lib.km_map_figures_free) if figures[0] else ffi.NULL
+    if clearance is None:
+        return added, ffi.NULL
+    lib.km_poses_compute(mechanism._c, state._c)
+    check(lib.km_clearance_create(mechanism._c, state._c, ffi.NULL, 0, pairs, error), error)
+    return added, ffi.gc(pairs[0], lib.km_clearance_free)
+
+
+def space_map(mechanism: Mechanism, state: State, over: Mapping[str, Tuple[float, float, int]], point: Optional[str], ask: str,
+              own: bool, limits: bool, clearance: Optional[float], seed: int, progress: Progress) -> SpaceMap:
     """The map over the drivers of `over`, label: (from, to, values); point: "body/frame"."""
     error, watch = new_error(), Watch(progress)
     modes = ffi.gc(ffi.new("km_all_modes *"), lib.km_all_modes_free)
@@ -132,17 +150,22 @@ def space_map(mechanism: Mechanism, state: State, over: Mapping[str, Tuple[float
             for label, (a, b, values) in over.items()]
     name = ffi.new("char[]", (point or "").encode())
     definition = ffi.new("km_space_map_def *", {"axis": axes, "has_point": point is not None, "point_name": name,
-                                                "frame": mechanism.model._frame(point) if point is not None else 0})
+                                                "frame": mechanism.model._frame(point) if point is not None else 0,
+                                                "own_sheet": own, "within_limits": limits,
+                                                "least_clearance": float(clearance or 0.0)})
     locked = ffi.new("int[]", [axis["coordinate"] for axis in axes])
     with mechanism.model._reading(), state._using():
+        figures, pairs = _map_parts(mechanism, state, ask, locked, clearance)
+        definition.figures, definition.clearance = figures, pairs
         status = lib.km_map_modes_find(mechanism._c, state._c, locked[0], locked[1], seed, watch.call, watch.context, modes, error)
         if not status:
+            modes.count = min(modes.count, 1) if own else modes.count  # the first one is the state's
             status = lib.km_space_map_compute(mechanism._c, state._c, definition, modes, watch.call, watch.context, found,
                                               error)
     watch.finish()
     check(status, error)
     return SpaceMap(table_of(found.cells, found), table_of(found.curves, found), found.sheet_count, found.curve_count,
-                    modes.is_complete, _workspace(found) if point is not None else None)
+                    modes.is_complete or own, _workspace(found) if point is not None else None)
 
 
 class TurningPoint(NamedTuple):

@@ -358,6 +358,46 @@ def test_spaces(source):
     assert found["sigma.input"][~reached].max() == 0 and found["sigma.input"][reached].min() > 0
     with pytest.raises(kmech.UsageError, match="two drivers"):
         kmech.load(source / "models/five_bar.json").map(joints=["A"])
+    uneven = kmech.load(source / "models/five_bar.json").map(steps=4, second_steps=6, first_range=(-1, 1), second_range=(-1, 1))
+    assert len(uneven) == 35 and sorted(set(uneven["q.E"])) == pytest.approx([-1, -2 / 3, -1 / 3, 0, 1 / 3, 2 / 3, 1])
+
+
+def five_bar_beside_post(source):
+    """A five-bar whose cranks have limits, and whose point must not touch a post."""
+    text = (source / "models/five_bar.json").read_text()
+    for old, new in (
+            ('{"name": "crank1"}', '{"name": "post", "shapes": [{"sphere": 0.08, "T": [0.5, 1.1, 0]}]}, {"name": "crank1"}'),
+            ('{"name": "rod1", ', '{"name": "rod1", "shapes": [{"sphere": 0.05, "T": [0.5, 1.3483314773547883, 0]}], '),
+            ('"joints": [', '"joints": [{"name": "F", "type": "rigid", "body_frame_pairs": ["fixed", "post"]},'),
+            ('"bodies": ["fixed", "crank2"]', '"limits": [-0.5, 0.5], "bodies": ["fixed", "crank2"]')):
+        assert text.count(old) == 1, old
+        text = text.replace(old, new)
+    return kmech.from_string(text)
+
+
+def test_limits_clearance_and_figures_of_maps(source):
+    """Python's map and the question of kstudy leave out the same cells: those beyond limits, or with bodies too near."""
+    model = five_bar_beside_post(source)
+    over = {"A": (-1, 1, 21), "E": (-1, 1, 21)}
+    plain = model.mechanism().space_map(over, ask="clearance", own=True)
+    found = model.mechanism().space_map(over, ask="clearance", own=True, limits=True, clearance=0.02)
+    cells = plain.cells
+    kept = (abs(cells["q.E"]) <= 0.5 + 1e-12) & (cells["clearance"] >= 0.02)
+    assert 0 < kept.sum() < len(cells) and len(found.cells) == kept.sum()
+    assert found.cells["clearance"] == pytest.approx(cells["clearance"][kept])
+    assert {2, 3} <= set(found.curves["kind"])
+    asked = model.map(first_range=(-1, 1), second_range=(-1, 1), steps=20, ask="clearance", limits=True, clearance=0.02)
+    reached = asked["reached"] == 1
+    assert reached.sum() == kept.sum() and sorted(asked["clearance"][reached]) == pytest.approx(sorted(found.cells["clearance"]))
+    assert numpy.isnan(asked["sigma.input"][~reached]).sum() == len(cells) - kept.sum()  # left out; 0 where it is singular
+    forces = model.mechanism().space_map(over, ask="forces", own=True).cells
+    assert {"f.A", "f.E"} <= set(forces.columns)
+    with pytest.raises(kmech.UsageError, match="expected one of mobility"):
+        model.mechanism().space_map(over, ask="speed")
+    with pytest.raises(kmech.UsageError, match="no analysis.mechanical_advantage"):
+        model.mechanism().space_map(over, ask="advantage")
+    with pytest.raises(kmech.UsageError, match="no clearance to compute"):
+        kmech.load(source / "models/five_bar.json").map(clearance=0.1)
 
 
 def test_space_path(source):

@@ -153,6 +153,25 @@ typedef struct km_map_figures {
   void *context; /* passed to `compute` */
 } km_map_figures;
 
+/* Figures that can be added to each cell of a map. */
+typedef enum km_map_ask {
+  KM_MAP_ASK_MOBILITY,  /* nothing beside the mobility numbers, which every cell has */
+  KM_MAP_ASK_ADVANTAGE, /* column ma.INPUT/OUTPUT: km_transfer_compute */
+  KM_MAP_ASK_FORCES,    /* columns f.JOINT: km_statics_compute */
+  KM_MAP_ASK_CLEARANCE  /* column clearance: km_clearance_compute */
+} km_map_ask;
+/* Words of km_map_ask, in its order. */
+#define KM_MAP_ASK_WORDS "mobility or advantage or forces or clearance"
+
+/* Creates the figures of `ask`; `*out` is NULL for KM_MAP_ASK_MOBILITY. Input and output of the advantage are those of
+ * the model's analysis. The actuators are the model's, else drivers[2]. Pairs of bodies are chosen at the configuration
+ * of `state`, whose poses are computed. The mechanism must outlive the figures, which the caller frees. KM_USAGE: a
+ * driver is invalid, the model has no input or output, or no pair of bodies has shapes; KM_MODEL, KM_IO: shapes, loads;
+ * KM_MEMORY. */
+KM_API km_status km_map_figures_create(const km_mechanism *mechanism, km_state *state, km_map_ask ask,
+                                       const int *drivers, km_map_figures **out, km_error *error);
+KM_API void km_map_figures_free(km_map_figures *figures);
+
 /* Definition of a map. */
 typedef struct km_space_map_def {
   km_space_axis axis[2];  /* the drivers, of one part of the mechanism or of two */
