@@ -54,7 +54,7 @@ static const km_option map_options[MAP_OPTIONS] = {
     {"second-steps", KM_OPTION_WHOLE, "N", "", "those of `steps`", "Intervals of the second range", 1, KM_MAX_MAP_STEPS,
      NULL, false},
     {"point", KM_OPTION_POINTS, "BODY/FRAME", "", NULL,
-     "Add the place of a point of a planar mechanism and its "
+     "Add the place of a point that moves on a plane or a sphere and its "
      "Jacobian's figures",
      0, 0, NULL, false},
     {"ask", KM_OPTION_WORD, "QUESTION", "", NULL,

@@ -6,6 +6,7 @@
 #include "kinematics/loop_equations.h"
 #include "local/generic_neighbour.h"
 #include "space/real_solve.h"
+#include "space/surface/point_motion.h"
 
 #include <string.h>
 
@@ -54,22 +55,6 @@ static km_status add_part(km_driver_surface *f, int coordinate, int *column, km_
     f->size = fmax(f->size, is_loop ? m->substructures[own].size : m->length);
   }
   *column = f->part[at].column_start + (is_loop ? m->column_of[coordinate] : 0);
-  return KM_OK;
-}
-
-/* Axes of the plane in which the mechanism moves: a coordinate axis projected, and the one orthogonal to it. */
-static km_status find_plane(km_driver_surface *f, km_error *error) {
-  double normal[3];
-  km_poses_compute(f->m, f->s);
-  if (!km_mechanism_plane(f->m, f->s, normal))
-    return km_fail(
-        error, KM_USAGE,
-        "the mechanism isn't planar; expected one for the workspace of a point (hold the joints that turn it out of its plane)");
-  km_vec3 n = km_vec3_from_array(normal), x = {1.0, 0.0, 0.0}, y = {0.0, 1.0, 0.0};
-  km_vec3 start = fabs(n.x) < 0.9 ? x : y;
-  f->axis[0] = km_vec3_sub(start, km_vec3_scale(km_vec3_dot(start, n), n));
-  f->axis[0] = km_vec3_scale(1.0 / km_vec3_norm(f->axis[0]), f->axis[0]);
-  f->axis[1] = km_vec3_cross(n, f->axis[0]);
   return KM_OK;
 }
 
@@ -130,9 +115,6 @@ km_status km_driver_surface_create(km_driver_surface *f, const int *drivers, int
   f->step = KM_ARENA_NEW(arena, double, (size_t)f->columns);
   if (arena->failed)
     return no_memory(error);
-  status = f->frame >= 0 ? find_plane(f, error) : KM_OK;
-  if (status)
-    return status;
   if (f->number)
     f->control[count] = f->columns - 1;
   for (int k = 0, others = 0; k < f->columns; ++k) {
@@ -238,7 +220,9 @@ km_status km_driver_surface_begin(km_driver_surface *f, km_arena *arena, km_erro
   if (!allocate(f, arena))
     return no_memory(error);
   update_all(f);
-  return km_condition_rows_choose(&f->primary, f->all_J) ? KM_OK : no_memory(error);
+  if (!km_condition_rows_choose(&f->primary, f->all_J))
+    return no_memory(error);
+  return f->frame >= 0 ? km_point_motion_find_surface(f, error) : KM_OK;
 }
 
 /* ---- Operations. */
@@ -357,17 +341,25 @@ int km_driver_surface_joints(const km_driver_surface *f) {
   return f->number ? f->columns - 1 : f->columns;
 }
 
+km_vec3 km_driver_surface_place(const km_driver_surface *f) {
+  double place[3];
+  km_frame_position(f->m, f->s, f->frame, place);
+  return km_vec3_from_array(place);
+}
+
 void km_driver_surface_update_output(km_driver_surface *f) {
   int w = km_driver_surface_joints(f);
   if (f->frame < 0)
     return;
   km_poses_compute(f->m, f->s);
   km_frame_jacobian(f->m, f->s, f->frame, f->frame_jacobian, NULL);
+  km_vec3 tangent[2];
+  km_point_surface_tangents(&f->point_surface, km_driver_surface_place(f), tangent);
   for (int k = 0; k < w; ++k) {
     int c = km_driver_surface_coordinate(f, k);
     const double *J = f->frame_jacobian + 6 * c;
     for (int i = 0; i < 2; ++i)
-      f->G[i * w + k] = (f->axis[i].x * J[0] + f->axis[i].y * J[1] + f->axis[i].z * J[2]) * f->m->unit[c] / f->size;
+      f->G[i * w + k] = km_vec3_dot(tangent[i], km_vec3_from_array(J)) * f->m->unit[c] / f->size;
   }
 }
 

@@ -4,7 +4,7 @@
  *   dq = N du,  N = (−A⁻¹ B; I)
  *   rows of all conditions: J_all = W J,  |W_ij| ≤ 2   J: the primary rows, r = rank J_all, the first times ±1
  *   input  : K = (J; rows of the drivers in the unit matrix)   singular where A is
- *   output : K = (J; G_x; G_y),  G = ∂(place of a point in its plane)/∂q
+ *   output : K = (J; G_1; G_2),  G_i = t_i · ∂(place of a point)/∂q,  t_1, t_2: tangents of its plane or sphere
  *
  * A control is a driver; the last one may be a number of the design instead. Coordinates are scaled: angles in
  * radians, lengths over the substructure's size, the number over its range. */
@@ -16,6 +16,7 @@
 #include "space/design_number.h"
 #include "space/surface/condition_rows.h"
 #include "space/surface/kept_clearance.h"
+#include "space/surface/point_surface.h"
 #include "space/surface/rod_spin.h"
 
 /* A part of the mechanism that a driver moves: a substructure, or a joint of no loop. */
@@ -54,7 +55,7 @@ typedef struct km_driver_surface {
   int *row;
   double *step, *x, *b;   /* [columns], [rows], [rows] */
   int frame;              /* the output's point: its frame; −1: none */
-  km_vec3 axis[2];        /* axes of its plane */
+  km_point_surface point_surface; /* its plane or sphere */
   double *G;              /* [2 × joints] rows of the point, over the size, by km_driver_surface_update_output */
   double *frame_jacobian; /* [6 × coordinate] */
   bool *wraps;            /* [joints] km_driver_surface_difference leaves out full turns: hinges by default */
@@ -62,11 +63,11 @@ typedef struct km_driver_surface {
 } km_driver_surface;
 
 /* Finds parts and columns; m, s, number, frame and ranges are given, and drivers[count] as coordinates. KM_USAGE: a
- * driver is no free hinge or slide, or the mechanism of a frame isn't planar. s may be missing if there is no frame. */
+ * driver is no free hinge or slide. s may be missing. */
 km_status km_driver_surface_create(km_driver_surface *surface, const int *drivers, int count, km_arena *arena,
                                    km_error *error);
 /* Finds the conditions at the state's closed configuration, with the first primary rows. KM_USAGE: the freedoms of the
- * parts aren't as many as drivers, there or at a neighbour on the motion. */
+ * parts aren't as many as drivers, there or at a neighbour on the motion, or the point is on no plane and no sphere. */
 km_status km_driver_surface_begin(km_driver_surface *surface, km_arena *arena, km_error *error);
 /* Returns to the first choice of primary rows, at a closed configuration that no steps have led to, and turns spun rods
  * back. */
@@ -99,7 +100,9 @@ double km_driver_surface_closure_value(km_driver_surface *f);
 int km_driver_surface_joints(const km_driver_surface *f);
 /* Copies J to the first rows of M, which is by rows and has `width` columns; J's columns beyond them are left out. */
 void km_driver_surface_rows(const km_driver_surface *f, double *M, int width);
-/* Updates G at the state's configuration. */
+/* Place of the point at the state's poses. */
+km_vec3 km_driver_surface_place(const km_driver_surface *f);
+/* Updates the poses and G at the state's configuration. */
 void km_driver_surface_update_output(km_driver_surface *f);
 /* K[joints × joints] by rows, of the last update. */
 void km_driver_surface_matrix(const km_driver_surface *f, km_curve_kind kind, double *K);

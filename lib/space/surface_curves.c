@@ -331,7 +331,10 @@ static bool note_row(km_surface_curves *v, km_turning_kind critical) {
     }
   if (f->frame >= 0) {
     km_poses_compute(f->m, f->s);
-    km_frame_position(f->m, f->s, f->frame, row + f->m->coordinate_count);
+    row += f->m->coordinate_count;
+    km_frame_position(f->m, f->s, f->frame, row);
+    for (int i = 3; f->point_surface.radius > 0.0 && i < 5; ++i)
+      row[i] = 0.0; /* the chart is chosen at the end */
   }
   return true;
 }

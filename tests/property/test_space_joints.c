@@ -9,19 +9,37 @@
 
 enum { TRIALS = 4, MOST_SHEETS = 8 };
 
-static km_space_map map_of(const fixture *f, double range, int steps, bool within_limits) {
-  const km_space_map_def def = {
-      .axis = {{fixture_coordinate(f, "A"), -range, range, steps}, {fixture_coordinate(f, "E"), -range, range, steps}},
-      .within_limits = within_limits};
+static km_space_map_def map_definition(const fixture *f, double range, int steps) {
+  return (km_space_map_def){
+      .axis = {{fixture_coordinate(f, "A"), -range, range, steps}, {fixture_coordinate(f, "E"), -range, range, steps}}};
+}
+
+static km_space_map compute_map(const fixture *f, const km_space_map_def *def) {
   km_all_modes modes;
   km_space_map map;
   km_error error = {0};
-  if (km_map_modes_find(f->mechanism, f->state, def.axis[0].coordinate, def.axis[1].coordinate, 1, NULL, NULL, &modes,
+  if (km_map_modes_find(f->mechanism, f->state, def->axis[0].coordinate, def->axis[1].coordinate, 1, NULL, NULL, &modes,
                         &error) ||
-      km_space_map_compute(f->mechanism, f->state, &def, &modes, NULL, NULL, &map, &error))
+      km_space_map_compute(f->mechanism, f->state, def, &modes, NULL, NULL, &map, &error))
     fail_msg("%s", error.text);
   km_all_modes_free(&modes);
   return map;
+}
+
+static km_space_map map_of(const fixture *f, double range, int steps, bool within_limits) {
+  km_space_map_def def = map_definition(f, range, steps);
+  def.within_limits = within_limits;
+  return compute_map(f, &def);
+}
+
+/* The map with point "body/P". */
+static km_space_map map_of_point(const fixture *f, const char *body, double range, int steps) {
+  const char *const path[] = {body, "P"};
+  km_space_map_def def = map_definition(f, range, steps);
+  def.has_point = true;
+  def.point_name = "P";
+  assert_int_equal(km_model_find_frame(f->model, path, 2, &def.frame, NULL), KM_OK);
+  return compute_map(f, &def);
 }
 
 /* ---- Spherical five-bars. */
@@ -32,11 +50,10 @@ static km_vec3 turned(km_vec3 axis, double angle, km_vec3 v) {
   return km_vec3_axpy(1.0 - cos(angle), km_vec3_cross(u, across), km_vec3_axpy(sin(angle), across, v));
 }
 
-/* Joints A to E in the order of the chain; all axes through a random point. */
-static fixture spherical_five_bar(uint64_t *random, km_vec3 axis[5], bool is_reversed) {
+/* Joints A to E in the order of the chain; all axes through a random point `at`, and P on that of C at distance 1. */
+static fixture spherical_five_bar(uint64_t *random, km_vec3 axis[5], double at[3], bool is_reversed) {
   static const char *const body[] = {"fixed", "b1", "b2", "b3", "b4", "fixed"};
   const double rough[5][3] = {{1, 0, 0}, {0.6, -0.5, 0.7}, {0.1, 0.1, 1}, {-0.5, 0.6, 0.7}, {0, 1, 0}};
-  double at[3];
   km_text text = {0};
   for (int k = 0; k < 3; ++k)
     at[k] = 2.0 * km_uniform(random);
@@ -46,8 +63,12 @@ static fixture spherical_five_bar(uint64_t *random, km_vec3 axis[5], bool is_rev
     axis[i] = (km_vec3){r[0] + 0.15 * by[0], r[1] + 0.15 * by[1], r[2] + 0.15 * by[2]};
     axis[i] = km_vec3_scale(1.0 / km_vec3_norm(axis[i]), axis[i]);
   }
-  km_text_format(&text, "{\"assemblies\": [{\"name\": \"a\", \"drawn\": \"assembled\", \"bodies\": [{\"name\": \"b1\"},"
-                        "{\"name\": \"b2\"}, {\"name\": \"b3\"}, {\"name\": \"b4\"}], \"joints\": [");
+  km_text_format(
+      &text,
+      "{\"assemblies\": [{\"name\": \"a\", \"drawn\": \"assembled\", \"bodies\": [{\"name\": \"b1\"},"
+      "{\"name\": \"b2\", \"frames\": [{\"name\": \"P\", \"T\": [%.17g, %.17g, %.17g]}]}, {\"name\": \"b3\"}, "
+      "{\"name\": \"b4\"}], \"joints\": [",
+      at[0] + axis[2].x, at[1] + axis[2].y, at[2] + axis[2].z);
   for (int k = 0; k < 5; ++k) {
     int i = is_reversed ? 4 - k : k, first = i == 3 || i == 4 ? i + 1 : i, second = i == 3 || i == 4 ? i : i + 1;
     km_text_format(&text,
@@ -79,7 +100,8 @@ static void passive_axes_are_coplanar_on_the_curves(void **state) {
   size_t points = 0;
   for (int trial = 0; trial < 2 * TRIALS; ++trial) {
     km_vec3 axis[5];
-    fixture f = spherical_five_bar(&random, axis, trial % 2);
+    double at[3];
+    fixture f = spherical_five_bar(&random, axis, at, trial % 2);
     km_space_map map = map_of(&f, 2.0, 30, false);
     double gap;
     assert_in_range(map.sheet_count, 2, MOST_SHEETS); /* two of each region of the drivers' plane */
@@ -108,6 +130,99 @@ static void passive_axes_are_coplanar_on_the_curves(void **state) {
     fixture_close(&f);
   }
   assert_true(points > 2000);
+}
+
+static double angle_between(km_vec3 a, km_vec3 b) {
+  return atan2(km_vec3_norm(km_vec3_cross(a, b)), km_vec3_dot(a, b));
+}
+
+/* Least and largest angle from the first axis of a chain of two that the third axis has. */
+static void chain_limits(km_vec3 first, km_vec3 second, km_vec3 third, double limit[2]) {
+  double a = angle_between(first, second), b = angle_between(second, third);
+  limit[0] = fabs(a - b);
+  limit[1] = fmin(a + b, 2.0 * M_PI - a - b);
+}
+
+/* Area on the unit sphere between both limits of both axes: ∫ 2 φ(θ) sin θ dθ, φ the turns about the first axis at
+ * which the angle from the second is within its limits; midpoints. */
+static double area_between(km_vec3 first, const double limit[2], km_vec3 second, const double other[2]) {
+  enum { PARTS = 200000 };
+  double between = angle_between(first, second), h = (limit[1] - limit[0]) / PARTS, sum = 0.0;
+  for (int i = 0; i < PARTS; ++i) {
+    double angle = limit[0] + (i + 0.5) * h, along = cos(angle) * cos(between), across = sin(angle) * sin(between);
+    double low = fmin(fmax((cos(other[1]) - along) / across, -1.0), 1.0),
+           high = fmin(fmax((cos(other[0]) - along) / across, -1.0), 1.0);
+    sum += 2.0 * (acos(low) - acos(high)) * sin(angle) * h;
+  }
+  return sum;
+}
+
+/* The point of a wrist of two freedoms reaches the places whose angles from the axes of A and E both chains allow. */
+static void the_wrist_reaches_what_both_chains_allow(void **state) {
+  (void)state;
+  uint64_t random = 5;
+  for (int trial = 0; trial < 2 * TRIALS; ++trial) {
+    km_vec3 axis[5];
+    double at[3], limit[2][2], aspects = 0.0;
+    fixture f = spherical_five_bar(&random, axis, at, trial % 2);
+    km_space_map map = map_of_point(&f, "b2", M_PI, 60);
+    chain_limits(axis[0], axis[1], axis[2], limit[0]);
+    chain_limits(axis[4], axis[3], axis[2], limit[1]);
+    assert_near(map.surface.radius, 1.0, 1e-10);
+    for (int k = 0; k < 3; ++k)
+      assert_near(map.surface.origin[k], at[k], 1e-10);
+    for (size_t k = 0; k < km_table_rows(map.boundary); ++k) {
+      const double *row = km_table_row(map.boundary, k) + 3;
+      km_vec3 out = {row[0] - at[0], row[1] - at[1], row[2] - at[2]};
+      double nearest = HUGE_VAL;
+      for (int i = 0; i < 4; ++i)
+        nearest = fmin(nearest, fabs(angle_between(axis[i < 2 ? 0 : 4], out) - limit[i / 2][i % 2]));
+      assert_at_most(nearest, 1e-8);
+      assert_near(km_vec3_norm(out), 1.0, 1e-10);
+    }
+    assert_near(map.workspace_area, area_between(axis[0], limit[0], axis[4], limit[1]), 1e-6);
+    for (int i = 0; i < map.workspace_count; ++i) {
+      assert_true(map.workspaces[i].area > 0.0);
+      aspects += map.workspaces[i].area;
+    }
+    assert_near(aspects, 4.0 * map.workspace_area, 1e-6); /* each chain with two elbows */
+    assert_int_equal(map.unbounded, 0);
+    km_space_map_free(&map);
+    fixture_close(&f);
+  }
+}
+
+/* A head on a hinge about z and one about an axis at the angle `tilt` from z; its point P is at `point` from it. */
+static fixture pan_and_tilt(double tilt, double point) {
+  km_text text = {0};
+  km_text_format(&text,
+                 "{\"assemblies\": [{\"name\": \"a\", \"drawn\": \"assembled\", \"bodies\": [{\"name\": \"pan\"}, "
+                 "{\"name\": \"head\", \"frames\": [{\"name\": \"P\", \"T\": [%.17g, 0, %.17g]}]}], \"joints\": ["
+                 "{\"name\": \"A\", \"type\": \"revolute\", \"bodies\": [\"fixed\", \"pan\"], \"at\": [0, 0, 0], "
+                 "\"axis\": [0, 0, 1]}, {\"name\": \"E\", \"type\": \"revolute\", \"bodies\": [\"pan\", \"head\"], "
+                 "\"at\": [0, 0, 0], \"axis\": [%.17g, 0, %.17g]}]}]}",
+                 sin(tilt - point), cos(tilt - point), sin(tilt), cos(tilt));
+  fixture f = fixture_read(text.data);
+  km_text_free(&text);
+  return f;
+}
+
+/* The places of a head are a zone of the sphere, which may be all of it, and around the end of its chart. */
+static void a_head_reaches_a_zone(void **state) {
+  (void)state;
+  const double angle[][2] = {{0.5 * M_PI, 0.5 * M_PI}, {0.9, 0.5}, {1.2, 1.2}, {1.0, 1.6}, {0.5, 2.9}};
+  for (size_t i = 0; i < sizeof angle / sizeof *angle; ++i) {
+    double tilt = angle[i][0], point = angle[i][1];
+    fixture f = pan_and_tilt(tilt, point);
+    km_space_map map = map_of_point(&f, "head", M_PI, 60);
+    double area = 2.0 * M_PI * (cos(tilt - point) - cos(fmin(tilt + point, 2.0 * M_PI - tilt - point)));
+    assert_near(map.workspace_area, area, 1e-6);
+    assert_int_equal(map.workspace_count, 2);
+    for (int k = 0; k < 2; ++k)
+      assert_near(map.workspaces[k].area, area, 1e-6);
+    km_space_map_free(&map);
+    fixture_close(&f);
+  }
 }
 
 /* ---- A planar five-bar, as itself and otherwise. */
@@ -364,9 +479,12 @@ static void lines_of_the_rods_meet_on_the_curves(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(passive_axes_are_coplanar_on_the_curves),
-      cmocka_unit_test(balls_and_parallel_cranks_change_no_sheet), cmocka_unit_test(largest_angles_bound_the_sheets),
-      cmocka_unit_test(paths_keep_the_rods_from_their_line), cmocka_unit_test(lines_of_the_rods_meet_on_the_curves)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(passive_axes_are_coplanar_on_the_curves),
+                                     cmocka_unit_test(the_wrist_reaches_what_both_chains_allow),
+                                     cmocka_unit_test(a_head_reaches_a_zone),
+                                     cmocka_unit_test(balls_and_parallel_cranks_change_no_sheet),
+                                     cmocka_unit_test(largest_angles_bound_the_sheets),
+                                     cmocka_unit_test(paths_keep_the_rods_from_their_line),
+                                     cmocka_unit_test(lines_of_the_rods_meet_on_the_curves)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -298,13 +298,6 @@ static void check_outline(const five_bar *b, double low[2], double high[2], cons
   }
 }
 
-static int count_cells(const km_table *cells, int aspect) {
-  int count = 0;
-  for (size_t k = 0; k < km_table_rows(cells); ++k)
-    count += table_cell(cells, k, "aspect") == aspect;
-  return count;
-}
-
 /* The workspace is where there is an inverse solution; its aspects have one each. Circles and rectangles are within. */
 static void workspace_has_inverse_solutions(void **state) {
   (void)state;
@@ -334,7 +327,7 @@ static void workspace_has_inverse_solutions(void **state) {
     integrate(&b, low, high, &area, &sum);
     for (int i = 0; i < map.workspace_count; ++i) {
       const km_aspect_workspace *at = &map.workspaces[i];
-      assert_true(isfinite(at->area) || count_cells(map.cells, at->aspect) < 20); /* too narrow for the grid */
+      assert_true(at->area > 0.0);
       aspects += isfinite(at->area) ? at->area : 0.0;
       for (int k = 0; k < 64; ++k) { /* chords are 1e-6 of the extent beside the curves */
         double r = at->radius - 1e-5, u = (k % 16) / 16.0 - 0.5, v = k < 32 ? 0.5 : -0.5;

@@ -255,8 +255,8 @@ kt_exit kspace_map(int argc, char **argv) {
       {"steps", 0, "N", "Intervals of both grids, or of each in turn (default: 100)", KT_TEXTS, &o.steps,
        KT_ABOUT_MODEL},
       {"point", 0, "BODY/FRAME",
-       "Add the place of a point of a planar mechanism, and where it can't move in some direction", KT_TEXT, &o.point,
-       KT_ABOUT_MODEL},
+       "Add the place of a point that moves on a plane or a sphere, and where it can't move in some direction", KT_TEXT,
+       &o.point, KT_ABOUT_MODEL},
       {"ask", 0, "QUESTION",
        "Add the leverage (advantage), the forces of the actuators (forces) or the least clearance of bodies (clearance) to each cell",
        KT_WORD(KM_MAP_ASK_WORDS), &o.ask, KT_ABOUT_MODEL},
@@ -290,14 +290,15 @@ kt_exit kspace_map(int argc, char **argv) {
       "(the Jacobian of the closure without the drivers' columns) and of the closure. --point adds the smallest singular "
       "value and the manipulability of the point's Jacobian by the drivers, the curves on which it is singular, and the "
       "ends of ranges, limits and the least clearance; its workspace has area, holes and an outline by kind, and for each aspect (a part "
-      "without a singularity of drivers or point) area, largest circle and largest rectangle. --ask advantage takes input "
+      "without a singularity of drivers or point) area, largest circle and largest rectangle. A sphere has columns chart, "
+      "its map with true areas, and no largest circle. --ask advantage takes input "
       "and output of the model's analysis.mechanical_advantage; --ask forces the model's loads, and its "
       "analysis.actuators, else the drivers; --ask clearance the pairs of kspace clearance. The curves are followed by "
       "continuation of the closure with a null vector; each point is on the curve to rounding. Exit status 1: the list of "
       "modes may lack some, and so the sheets; the outline of the workspace isn't closed, or leaves grid points outside; or "
       "Ctrl-C ended the work: the finished sheets and the curves found so far are written. Other numbers of freedoms than two are refused. JSON keys "
       "beside those of every record: drivers (joint, from, to, steps), complete, reason (as that of modes), modes, sheets, aspects, curves, workspace "
-      "(point, area, holes, gap, outside, checked, aspects: aspect, area, circle, radius, rectangle, width, height), columns and "
+      "(point, of a sphere: sphere with centre, radius, pole; area, holes, gap, outside, checked, aspects: aspect, area, circle, radius, rectangle, width, height), columns and "
       "rows of the grid.",
       argc, argv);
   kt_pose pose;

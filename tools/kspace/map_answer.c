@@ -37,7 +37,8 @@ static void print_sheet(const km_space_map *map, int sheet, size_t points, km_te
   for (size_t c = first; c < km_table_columns(t); ++c) {
     const char *name = km_table_name(t, c), *unit = km_table_unit(t, c);
     range_of(t, sheet, c, &low, &high, &rows);
-    if (strcmp(name, "sigma.closure") != 0 && low <= high && (strncmp(name, "point.", 6) != 0 || high - low > 0.0))
+    if (strcmp(name, "sigma.closure") != 0 && low <= high && strncmp(name, "chart.", 6) != 0 &&
+        (strncmp(name, "point.", 6) != 0 || high - low > 0.0))
       km_text_format(out, "; %s %.3g to %.3g%s%s", name, low, high, unit && *unit ? " " : "", unit ? unit : "");
   }
   km_text_add(out, "\n");
@@ -69,6 +70,9 @@ static void print_workspace(const km_model *model, const km_space_map_def *def, 
   else
     km_text_format(out, "workspace of %s: its outline isn't closed: a curve is missing, which more --steps may find\n",
                    def->point_name);
+  if (map->surface.radius > 0.0)
+    km_text_format(out, "  on a sphere of radius %.6g %s around %.6g, %.6g, %.6g\n", map->surface.radius, length,
+                   map->surface.origin[0], map->surface.origin[1], map->surface.origin[2]);
   if (circle)
     km_text_format(out,
                    "  largest circle without a singularity: radius %.6g %s around %.6g, %.6g, %.6g, in aspect %d\n",
@@ -134,6 +138,12 @@ static void add_aspect(const km_aspect_workspace *at, km_value *list, km_arena *
 static void add_workspace(const km_space_map_def *def, const km_space_map *map, km_value *record, km_arena *arena) {
   km_value *workspace = km_value_add(arena, record, "workspace", KM_OBJECT);
   km_value_string(arena, workspace, "point", def->point_name);
+  if (map->surface.radius > 0.0) {
+    km_value *sphere = km_value_add(arena, workspace, "sphere", KM_OBJECT);
+    add_place(sphere, "centre", map->surface.origin, arena);
+    km_value_number(arena, sphere, "radius", map->surface.radius);
+    add_place(sphere, "pole", map->surface.axis[2], arena);
+  }
   km_value_number(arena, workspace, "area", map->workspace_area);
   km_value_number(arena, workspace, "holes", map->hole_count);
   km_value_number(arena, workspace, "gap", map->gap);

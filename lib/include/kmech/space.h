@@ -175,7 +175,7 @@ KM_API void km_map_figures_free(km_map_figures *figures);
 /* Definition of a map. */
 typedef struct km_space_map_def {
   km_space_axis axis[2];  /* the drivers, of one part of the mechanism or of two */
-  bool has_point;         /* the map adds the place of a point of a planar mechanism */
+  bool has_point;         /* the map adds the place of a point that moves on a plane or a sphere */
   int frame;              /* its frame */
   const char *point_name; /* its name in columns: "body/frame" */
   bool own_sheet;     /* only sheets of the given modes; else also those that their curves and random starts lead to */
@@ -186,12 +186,20 @@ typedef struct km_space_map_def {
   double least_clearance;        /* model's unit */
 } km_space_map_def;
 
+/* The plane or sphere on which a map's point moves. Its chart, of equal areas: x_i = a_i·p of a plane; of a sphere
+ * x_i = R √(2 / (1 + a_3·n)) a_i·n, n = (p − origin) / R (J. H. Lambert 1772). */
+typedef struct km_point_surface {
+  double axis[3][3]; /* a_1, a_2, a_3: unit vectors, right-handed, world frame. Plane: the last one is its normal */
+  double origin[3];  /* the sphere's centre, or the plane's point nearest to the world's origin; model's unit */
+  double radius;     /* R; 0: a plane */
+} km_point_surface;
+
 /* The places that the point reaches in an aspect, without a singularity. */
 typedef struct km_aspect_workspace {
   int aspect;           /* its number in the cells */
   double area;          /* area of these places; NaN: a curve that bounds them wasn't found */
   double circle[3];     /* centre of the largest circle in them, model's unit, world frame */
-  double radius;        /* its radius, to 1e-5 of the extent; 0: none, or the outline has a gap */
+  double radius;        /* its radius, to 1e-5 of the extent; 0: none, the outline has a gap, or a sphere */
   double rectangle[3];  /* centre of the largest rectangle in them, sides along the plane's axes */
   double width, height; /* its sides: in the plane z = const along x and y; 0: none */
 } km_aspect_workspace;
@@ -200,22 +208,27 @@ typedef struct km_aspect_workspace {
 typedef struct km_space_map {
   km_table *cells;  /* q. of both drivers, sheet (number, modes first), aspect, q. of the other coordinates, m. of
                      * every coordinate, sigma.input, sigma.closure, with a point its x y z, sigma.output and
-                     * manipulability, then the figures: a row for each grid point that a sheet reaches */
-  km_table *curves; /* curve (number), kind (km_curve_kind), q. of every coordinate, with a point its x y z: points
-                     * of singularity curves, ends of ranges and limits from end to end, or around a closed curve to its
-                     * first point */
+                     * manipulability, on a sphere chart. x and y, then the figures: a row for each grid point that a
+                     * sheet reaches */
+  km_table *curves; /* curve (number), kind (km_curve_kind), q. of every coordinate, with a point its x y z, on a sphere
+                     * chart. x and y: points of singularity curves, ends of ranges and limits from end to end, or
+                     * around a closed curve to its first point */
   int sheet_count;  /* sheets with grid points: of modes, and of motions that only curves or random starts lead to */
   int aspect_count; /* parts of the sheets within which the drivers lead from each grid point to each other one without
                      * a singularity of drivers or point */
   int curve_count;  /* number of curves */
-  km_table *boundary;    /* loop (number), kind (km_curve_kind), curve, x y z of the point: the outline of the workspace
-                        * loop by loop, the workspace on the left; NULL: no point */
-  int hole_count;        /* loops around places that can't be reached */
+  km_table *boundary; /* loop (number), kind (km_curve_kind), curve, x y z of the point, on a sphere chart. x and y: the
+                       * outline of the workspace loop by loop, the workspace on the left, seen against the normal;
+                       * NULL: no point */
+  km_point_surface surface; /* the point's plane or sphere */
+  int hole_count;        /* loops around places that can't be reached; where the end of a sphere's chart is reached, all
+                          * loops but one */
   double workspace_area; /* area of the places that the point reaches; NaN: an outline doesn't close */
-  double gap;            /* longest gap of the outline, where a curve is missing and a straight line closes it; 0: none;
-               * infinite: a loop doesn't close */
-  int unbounded;         /* grid points whose place lies outside the outline: 0 unless a curve is missing */
-  int checked;           /* grid points of which that was checked, at most 2 000 */
+  double
+      gap; /* longest gap of the outline, where a curve is missing and a straight line closes it; 0: none; infinite: a
+               * loop doesn't close */
+  int unbounded;                   /* grid points whose place lies outside the outline: 0 unless a curve is missing */
+  int checked;                     /* grid points of which that was checked, at most 2 000 */
   km_aspect_workspace *workspaces; /* [workspace_count] by aspect */
   int workspace_count;             /* aspects; 0: no point */
 } km_space_map;
@@ -235,8 +248,8 @@ KM_API km_status km_map_modes_find(const km_mechanism *mechanism, const km_state
  * drivers; lengths over the substructure's size. The curves det A = 0 that bound the sheets, and det D = 0 on them, are
  * followed by continuation, each point to 1e-11; with a point also the ends of ranges, and its workspace is found. The
  * first mode is closed. Rods between two ball joints don't spin.
- * KM_USAGE: an axis is invalid or a ball joint's, the parts have not two freedoms beside such spins, or a point of a
- * mechanism that isn't planar; KM_MEMORY; KM_CANCELLED. Free `*out` in any case. O(cells · rank³). */
+ * KM_USAGE: an axis is invalid or a ball joint's, the parts have not two freedoms beside such spins, or a point that
+ * moves on no plane and no sphere; KM_MEMORY; KM_CANCELLED. Free `*out` in any case. O(cells · rank³). */
 KM_API km_status km_space_map_compute(const km_mechanism *mechanism, const km_state *state, const km_space_map_def *def,
                                       const km_all_modes *modes, km_progress progress, void *context, km_space_map *out,
                                       km_error *error);

@@ -55,11 +55,19 @@ static km_status no_column(const map_picture *p, const char *column, km_error *e
                  km_nearest_text(&nearest, names));
 }
 
-/* The two coordinates of the point's place that vary most, in the order x y z. */
+/* The chart of a sphere, or the two coordinates of the point's place that vary most, in the order x y z. */
 static void choose_places(map_picture *p) {
   const km_table *t = p->map->cells;
   size_t first = km_table_span(t, "point.").first;
+  km_span chart = km_table_span(t, "chart.");
   double span[3];
+  if (chart.count > 0) {
+    p->x = chart.first;
+    p->y = chart.first + 1;
+    p->curve_x = km_table_span(p->map->curves, "chart.").first;
+    p->curve_y = p->curve_x + 1;
+    return;
+  }
   for (size_t k = 0; k < 3; ++k) {
     double low = HUGE_VAL, high = -HUGE_VAL;
     for (size_t r = 0; r < km_table_rows(t); ++r) {

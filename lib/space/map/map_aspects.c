@@ -1,5 +1,5 @@
 /* Aspects of a sheet on the grid of a map (docs/theory.md 4.19): parts that steps join without a root of det (J; G). */
-#include "space/map_search.h"
+#include "space/map/map_search.h"
 
 #include <stdlib.h>
 

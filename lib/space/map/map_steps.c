@@ -3,7 +3,7 @@
  *   predictor : dq = −A⁻¹ B du from a neighbour;   corrector: Newton's method with the drivers fixed
  *   accepted  : first correction ≤ 0.3 |dq|, and det A keeps its sign; else the step is halved
  *   kept sign : the cubic of det (J; G) over the step has Bernstein coefficients of one sign */
-#include "space/map_search.h"
+#include "space/map/map_search.h"
 
 #include <string.h>
 

@@ -1,9 +1,9 @@
-/* Outlines of plane regions (space/outline.h).
+/* Outlines of plane regions (space/outline/outline.h).
  *
  *   part   : between two cuts; on the outline if N at its middle is positive on one side only
  *   loop   : each part continues with the leftmost one that begins at its end
  *   area   : ∮ x dy by three points of Gauss, exact for cubics */
-#include "space/outline.h"
+#include "space/outline/outline.h"
 
 #include <math.h>
 #include <string.h>
@@ -157,6 +157,10 @@ static void join(const km_curve_net *net, km_outline_part *parts, int count, km_
     } while (at >= 0 && at != first);
     out->hole_count += area < -(same_end * net->size) * (same_end * net->size);
     out->area += area;
+  }
+  if (net->at_end > 0) {
+    out->area += net->whole;
+    out->hole_count -= out->hole_count > 0;
   }
 }
 

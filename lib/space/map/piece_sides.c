@@ -5,7 +5,7 @@
  *   aspect : of the grid point to which drivers lead from there without a change of det A and det (J; G);
  *            else, of the neighbouring side around a vertex: the ends of pieces there in the order of their angles;
  *            neighbouring sides join aspects that the grid has parted */
-#include "space/map_workspace.h"
+#include "space/map/map_workspace.h"
 
 #include "base/number/cubic.h"
 #include "base/number/vectors.h"
@@ -31,8 +31,7 @@ static void fill_matrix(km_workspace_search *w, const double *tangent, const dou
   memcpy(w->M + (r + 1) * n, last, (size_t)n * sizeof *last);
 }
 
-/* Finds ν at a point of a curve. */
-static bool find_across(km_workspace_search *w, const km_curve_point *p) {
+bool km_piece_find_across(km_workspace_search *w, const km_curve_point *p) {
   km_driver_surface *f = &w->g->f;
   uint64_t random = 3;
   int sign;
@@ -83,7 +82,7 @@ static void find_signs(km_workspace_search *w, int *signs) {
   }
 }
 
-static bool has_signs(km_workspace_search *w, const int *signs) {
+bool km_piece_has_signs(km_workspace_search *w, const int *signs) {
   int there[2];
   find_signs(w, there);
   return there[0] == signs[0] && there[1] == signs[1];
@@ -95,7 +94,7 @@ static int find_aspect(km_workspace_search *w, const km_curve_point *p, int side
     bool is_same = true;
     int sign;
     for (int part = 1; is_same && part <= PARTS; ++part)
-      is_same = move_across(w, p, side * distances[i] * part / PARTS) && has_signs(w, signs);
+      is_same = move_across(w, p, side * distances[i] * part / PARTS) && km_piece_has_signs(w, signs);
     if (!is_same || km_driver_surface_margin(&w->g->f, -1, -1) < 0.0)
       continue;
     w->g->kept_sign = signs[1];
@@ -104,7 +103,7 @@ static int find_aspect(km_workspace_search *w, const km_curve_point *p, int side
     const km_known_configuration *known = cell >= 0 ? km_map_find_known(w->g, cell) : NULL;
     if (!known || known->aspect == 0)
       continue;
-    if (has_signs(w, signs))
+    if (km_piece_has_signs(w, signs))
       return known->aspect;
   }
   return 0;
@@ -156,7 +155,7 @@ static void find_sides(km_workspace_search *w, int piece) {
     length += w->places[i].length;
   for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i) {
     sample_piece(w, at, parts[i]);
-    if (!find_across(w, &w->sample))
+    if (!km_piece_find_across(w, &w->sample))
       continue;
     for (int k = 0; k < 2; ++k)
       if (w->sides[piece][k].aspect == 0)
@@ -193,7 +192,7 @@ static int gather_vertex(km_workspace_search *w, piece_end *ends, int count, int
   km_driver_surface *f = &w->g->f;
   const km_curve_point *p = end_point(w, &ends[first]);
   int end = first;
-  bool is_regular = find_across(w, p);
+  bool is_regular = km_piece_find_across(w, p);
   km_driver_surface_restore(f, p->saved);
   for (int i = first; i < count; ++i) {
     const km_curve_point *other = end_point(w, &ends[i]);
@@ -211,17 +210,8 @@ static int gather_vertex(km_workspace_search *w, piece_end *ends, int count, int
   return end;
 }
 
-/* Gives two neighbouring sides one aspect, if that of one is known. Where both are, all sides of the larger number get
- * the smaller one. */
-static bool join_sides(km_workspace_search *w, km_piece_side *a, km_piece_side *b) {
-  if (a->aspect == b->aspect || a->jump == 0 || b->jump == 0 || a->signs[0] != b->signs[0] ||
-      a->signs[1] != b->signs[1])
-    return false;
-  int high = a->aspect > b->aspect ? a->aspect : b->aspect, low = a->aspect + b->aspect - high;
-  if (low == 0) {
-    a->aspect = b->aspect = high;
-    return true;
-  }
+void km_aspects_join(km_workspace_search *w, int a, int b) {
+  int high = a > b ? a : b, low = a + b - high;
   for (int k = 0; k < w->piece_count; ++k)
     for (int side = 0; side < 2; ++side)
       if (w->sides[k][side].aspect == high)
@@ -229,6 +219,17 @@ static bool join_sides(km_workspace_search *w, km_piece_side *a, km_piece_side *
   for (int i = 1; i <= w->g->aspect_count; ++i)
     if (w->representative[i] == high)
       w->representative[i] = low;
+}
+
+/* Gives two neighbouring sides one aspect, if that of one is known. */
+static bool join_sides(km_workspace_search *w, km_piece_side *a, km_piece_side *b) {
+  if (a->aspect == b->aspect || a->jump == 0 || b->jump == 0 || a->signs[0] != b->signs[0] ||
+      a->signs[1] != b->signs[1])
+    return false;
+  if (a->aspect == 0 || b->aspect == 0)
+    a->aspect = b->aspect = a->aspect + b->aspect;
+  else
+    km_aspects_join(w, a->aspect, b->aspect);
   return true;
 }
 

@@ -1,9 +1,10 @@
 /* The plane regions that oriented curves bound (docs/theory.md 4.22).
  *
  *   segment    : cubic of Hermite between two points of a curve, p(u), u = 0 … 1
- *   N(p)       = Σ jump of each curve that a ray from p crosses, against the sense of the crossing
+ *   N(p)       = N far away + Σ jump of each curve that a ray from p crosses, against the sense of the crossing
  *   region     = { p : N(p) > 0 },   outline: parts of the curves with N > 0 on one side only
- *   area       = ∮ x dy over the outline, the region on its left;   holes: loops of negative area */
+ *   area       = ∮ x dy over the outline, the region on its left;   holes: loops of negative area
+ *                N > 0 far away: the whole chart's area more, and one loop is the outer one */
 #ifndef KM_SPACE_OUTLINE_H
 #define KM_SPACE_OUTLINE_H
 
@@ -43,7 +44,9 @@ typedef struct km_curve_net {
   km_outline_segment *segments;
   double **cuts; /* [piece] parameters of its cuts, ascending: segment of the piece + u; both ends are cuts */
   int *cut_count;
-  double size; /* extent of the points */
+  double size;  /* extent of the points */
+  int at_end;   /* N far from all curves: 0 in a plane */
+  double whole; /* area of the whole chart, if N > 0 there */
 } km_curve_net;
 
 /* A part of the outline, from cut to cut; `from` > `to` where the region is on the curve's right. */

@@ -1,9 +1,9 @@
-/* Curves in a plane, cut where they cross or join (space/outline.h).
+/* Curves in a plane, cut where they cross or join (space/outline/outline.h).
  *
  *   crossing : p_a(u) = p_b(v) by Newton's method from the middles of parts that cross at most once
  *   joint    : an end of one curve on another
  *   N(p)     : on the ray y = p_y, x > p_x, at each root of y(u): + jump where y grows, − jump where it falls */
-#include "space/outline.h"
+#include "space/outline/outline.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -345,7 +345,7 @@ static int crossings(const km_outline_segment *s, const double *place) {
 }
 
 int km_curve_net_count(const km_curve_net *net, const int *jump, const double *place) {
-  int sum = 0;
+  int sum = net->at_end;
   for (int i = 0; i < net->segment_count; ++i)
     if (jump[net->segments[i].piece])
       sum += jump[net->segments[i].piece] * crossings(&net->segments[i], place);

@@ -2,8 +2,8 @@
  *
  *   piece  : a part of a curve between crossings; its sides and their jumps are in piece_sides.c
  *   length : between two points |Δq| (θ/2) / sin(θ/2), θ the angle of their tangents
- *   N(p)   : configurations with the point at p, of all aspects or of one (space/outline.h) */
-#include "space/map_workspace.h"
+ *   N(p)   : configurations with the point at p of the chart, of all aspects or of one (space/outline/outline.h) */
+#include "space/map/map_workspace.h"
 
 #include "base/number/vectors.h"
 #include "base/table.h"
@@ -27,19 +27,18 @@ static double curve_length(km_driver_surface *f, const km_curve_point *from, con
   return half > 1e-6 ? chord * half / sin(half) : chord;
 }
 
-/* Place of the point, and its derivative along the curve. */
+/* Chart of the point's place, and its derivative along the curve. */
 static void fill_place(km_workspace_search *w, const km_curve_point *p, km_outline_point *out) {
   km_driver_surface *f = &w->g->f;
-  double place[3];
+  km_vec3 tangent[2], rate = {0.0, 0.0, 0.0};
   km_driver_surface_restore(f, p->saved);
   km_driver_surface_update_output(f);
-  km_frame_position(f->m, f->s, f->frame, place);
-  km_vec3 at = km_vec3_from_array(place);
-  w->height = km_vec3_dot(at, w->normal);
-  for (int i = 0; i < 2; ++i) {
-    out->place[i] = km_vec3_dot(at, f->axis[i]);
-    out->rate[i] = f->size * km_dot(f->G + i * f->columns, p->tangent, f->columns);
-  }
+  km_vec3 place = km_driver_surface_place(f);
+  km_point_surface_tangents(&f->point_surface, place, tangent);
+  for (int i = 0; i < 2; ++i)
+    rate = km_vec3_axpy(f->size * km_dot(f->G + i * f->columns, p->tangent, f->columns), tangent[i], rate);
+  km_point_surface_chart(&f->point_surface, place, out->place);
+  km_point_surface_chart_rate(&f->point_surface, place, rate, out->rate);
 }
 
 /* Divides the curves at crossings; the point of a crossing ends one piece and begins the next. */
@@ -81,10 +80,8 @@ static void fill_jumps(km_workspace_search *w, int aspect) {
   }
 }
 
-static void place_in_space(const km_workspace_search *w, const double *place, double *out) {
-  const km_driver_surface *f = &w->g->f;
-  km_vec3 at = km_vec3_add(km_vec3_scale(place[0], f->axis[0]), km_vec3_scale(place[1], f->axis[1]));
-  at = km_vec3_add(at, km_vec3_scale(w->height, w->normal));
+static void place_in_space(const km_workspace_search *w, const double *chart, double *out) {
+  km_vec3 at = km_point_surface_place(&w->g->f.point_surface, chart);
   out[0] = at.x;
   out[1] = at.y;
   out[2] = at.z;
@@ -99,6 +96,8 @@ static bool add_boundary_row(km_workspace_search *w, const km_outline_part *part
   row[2] = w->pieces[part->piece].curve;
   km_curve_net_place(&w->net, part->piece, at, place, rate);
   place_in_space(w, place, row + 3);
+  if (w->g->f.point_surface.radius > 0.0)
+    memcpy(row + 6, place, sizeof place);
   return true;
 }
 
@@ -112,31 +111,48 @@ static bool write_part(km_workspace_search *w, const km_outline_part *part, bool
   return is_ok && (!is_last || add_boundary_row(w, part, part->to));
 }
 
-/* Counts the grid points, of at most MOST_CHECKED, whose place isn't within the outline, nor on it. */
-static void check_grid_points(km_workspace_search *w) {
-  const km_driver_surface *f = &w->g->f;
+/* Least N of grid points that aren't on the outline: of at most MOST_CHECKED, all or those of one aspect. *outside: how
+ * many have N <= 0. */
+static int least_count(km_workspace_search *w, int aspect, int *checked, int *outside) {
   const km_table *t = w->g->out->cells;
   size_t rows = km_table_rows(t), column = km_table_span(t, "point.").first, stride = 1 + rows / MOST_CHECKED;
+  int least = 1;
+  *checked = *outside = 0;
   for (size_t i = 0; i < rows; i += stride) {
-    km_vec3 at = km_vec3_from_array(km_table_row(t, i) + column);
-    const double place[2] = {km_vec3_dot(at, f->axis[0]), km_vec3_dot(at, f->axis[1])};
-    ++w->g->out->checked;
-    w->g->out->unbounded += km_curve_net_count(&w->net, w->jump, place) <= 0 &&
-                            km_curve_net_distance(&w->net, w->jump, place) > edge_share * w->net.size;
+    double place[2];
+    if (aspect > 0 && km_table_row(t, i)[3] != aspect)
+      continue;
+    km_point_surface_chart(&w->g->f.point_surface, km_vec3_from_array(km_table_row(t, i) + column), place);
+    ++*checked;
+    int count = km_curve_net_count(&w->net, w->jump, place);
+    if (count > 0 || km_curve_net_distance(&w->net, w->jump, place) <= edge_share * w->net.size)
+      continue;
+    least = count < least ? count : least;
+    ++*outside;
   }
+  return least;
+}
+
+/* Finds N at the chart's end: 0 where no grid point is; else the least with which all grid points have N > 0. */
+static void find_count_at_end(km_workspace_search *w, int aspect) {
+  int checked, outside;
+  w->net.at_end = 0;
+  if (w->is_end_reached)
+    w->net.at_end = 1 - least_count(w, aspect, &checked, &outside);
 }
 
 static km_status find_whole(km_workspace_search *w, km_error *error) {
   km_space_map *out = w->g->out;
   km_outline outline;
   fill_jumps(w, 0);
+  find_count_at_end(w, 0);
   if (!km_outline_find(&w->net, w->jump, &w->g->arena, &outline))
     return no_memory(error);
   out->workspace_area =
-      isfinite(outline.gap) && (outline.part_count > 0 || km_table_rows(out->cells) == 0) ? outline.area : nan("");
+      isfinite(outline.gap) && (outline.area > 0.0 || km_table_rows(out->cells) == 0) ? outline.area : nan("");
   out->gap = outline.gap;
   out->hole_count = outline.hole_count;
-  check_grid_points(w);
+  least_count(w, 0, &out->checked, &out->unbounded);
   for (int i = 0; i < outline.part_count; ++i) {
     bool is_last = i + 1 == outline.part_count || outline.parts[i + 1].loop != outline.parts[i].loop;
     if (!write_part(w, &outline.parts[i], is_last))
@@ -149,10 +165,11 @@ static km_status find_in_aspect(km_workspace_search *w, km_aspect_workspace *out
   km_outline outline;
   double centre[2] = {0.0}, low[2], high[2];
   fill_jumps(w, out->aspect);
+  find_count_at_end(w, out->aspect);
   if (!km_outline_find(&w->net, w->jump, &w->g->arena, &outline))
     return no_memory(error);
-  out->area = isfinite(outline.gap) && outline.part_count > 0 ? outline.area : nan("");
-  if (outline.gap > 0.0 || outline.part_count == 0)
+  out->area = isfinite(outline.gap) && outline.area > 0.0 ? outline.area : nan("");
+  if (outline.gap > 0.0 || outline.part_count == 0 || w->g->f.point_surface.radius > 0.0)
     return KM_OK;
   if (!km_largest_rectangle(&w->net, w->jump, &w->g->arena, low, high))
     return no_memory(error);
@@ -213,17 +230,21 @@ static bool allocate_pieces(km_workspace_search *w) {
 }
 
 km_status km_map_find_workspace(km_map_search *g, km_error *error) {
-  km_workspace_search w = {.g = g, .normal = km_vec3_cross(g->f.axis[0], g->f.axis[1])};
+  km_workspace_search w = {.g = g};
   w.points = km_surface_curves_points(g->curves, &w.point_count);
   if (!allocate(&w))
     return no_memory(error);
+  km_status status = km_map_choose_chart(g, &w.is_end_reached, error);
+  if (status)
+    return status;
   divide(&w);
   if (!allocate_pieces(&w) || !km_curve_net_create(&w.net, w.places, w.pieces, w.piece_count, &g->arena))
     return no_memory(error);
-  if (!km_piece_sides_find(&w))
+  if (!km_piece_sides_find(&w) || !km_facing_sides_join(&w))
     return no_memory(error);
   number_again(&w);
-  km_status status = find_whole(&w, error);
+  w.net.whole = km_point_surface_area(&g->f.point_surface);
+  status = find_whole(&w, error);
   for (int i = 0; !status && i < g->out->workspace_count; ++i) {
     g->out->workspaces[i] = (km_aspect_workspace){.aspect = i + 1};
     status = find_in_aspect(&w, &g->out->workspaces[i], error);

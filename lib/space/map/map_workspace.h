@@ -2,8 +2,8 @@
 #ifndef KM_SPACE_MAP_WORKSPACE_H
 #define KM_SPACE_MAP_WORKSPACE_H
 
-#include "space/map_search.h"
-#include "space/outline.h"
+#include "space/map/map_search.h"
+#include "space/outline/outline.h"
 
 /* One side of a piece. */
 typedef struct km_piece_side {
@@ -27,13 +27,25 @@ typedef struct km_workspace_search {
   int *jump;                      /* [piece] workspace */
   double *M, *K, *nu, *b, *x, *N; /* [columns²] the first two, [columns], [2 · columns] N: workspace */
   int *row;                       /* [columns] workspace */
-  km_vec3 normal;
-  double height; /* place of the plane along its normal */
+  bool is_end_reached;            /* grid points are near the end of a sphere's chart */
 } km_workspace_search;
 
 /* Finds the workspace of the map's point, with the sheets and curves. */
 km_status km_map_find_workspace(km_map_search *g, km_error *error);
+/* Turns a sphere's chart so that its end is far from grid points and curves, and fills the tables' chart columns.
+ * *is_end_reached: a grid point is nearer to it than any curve. KM_USAGE: the point leaves its surface. O(candidates ·
+ * points). */
+km_status km_map_choose_chart(km_map_search *g, bool *is_end_reached, km_error *error);
 /* Finds both sides of every piece. False when out of memory. */
 bool km_piece_sides_find(km_workspace_search *w);
+/* Finds ν at a point of a curve (piece_sides.c), in w->nu. */
+bool km_piece_find_across(km_workspace_search *w, const km_curve_point *p);
+/* True if det A and det (J; G) have these signs at the state's configuration. */
+bool km_piece_has_signs(km_workspace_search *w, const int *signs);
+/* Makes two aspects one, with the smaller number, in the sides and representatives. */
+void km_aspects_join(km_workspace_search *w, int a, int b);
+/* Gives aspects without a side that of the side that faces them. False when out of memory. O(their grid points · curve
+ * points). */
+bool km_facing_sides_join(km_workspace_search *w);
 
 #endif

@@ -4,7 +4,7 @@
 #include "base/random.h"
 #include "base/table.h"
 #include "kinematics/loop_closing.h"
-#include "space/map_workspace.h"
+#include "space/map/map_workspace.h"
 
 #include <string.h>
 
@@ -222,8 +222,14 @@ static km_status check_axes(const km_mechanism *m, const km_space_map_def *def, 
              : km_fail(error, KM_USAGE, "both drivers of a map are the same joint; expected two");
 }
 
-/* Prepares the surface and the grid. */
-static km_status prepare(km_map_search *g, km_error *error) {
+/* Moves the state to a mode. */
+static km_status move_to_mode(km_map_search *g, const km_all_modes *modes, int i, km_error *error) {
+  const km_mechanism *m = g->f.m;
+  return km_state_set_coordinates(m, g->f.s, modes->coordinates + (size_t)i * (size_t)m->coordinate_count, error);
+}
+
+/* Prepares the surface at the first mode, if there is one. */
+static km_status prepare_surface(km_map_search *g, const km_all_modes *modes, km_error *error) {
   km_driver_surface *f = &g->f;
   const km_space_map_def *def = g->def;
   const int drivers[2] = {def->axis[0].coordinate, def->axis[1].coordinate};
@@ -238,8 +244,16 @@ static km_status prepare(km_map_search *g, km_error *error) {
   km_status status = km_driver_surface_create(f, drivers, 2, &g->arena, error);
   if (!status && !km_kept_clearance_create(&f->kept, f->m, &g->arena))
     status = no_memory(error);
-  if (status)
+  if (status || modes->count == 0)
     return status;
+  status = move_to_mode(g, modes, 0, error);
+  return status ? status : km_driver_surface_begin(f, &g->arena, error);
+}
+
+/* Prepares the grid and the tables. */
+static km_status prepare_grid(km_map_search *g, km_error *error) {
+  km_driver_surface *f = &g->f;
+  const km_space_map_def *def = g->def;
   for (int d = 0; d < 2; ++d)
     g->curve_reach = fmax(g->curve_reach, 3.0 * fabs(km_map_axis_value(g, d, 1) - km_map_axis_value(g, d, 0)));
   g->curve_reach = fmin(g->curve_reach, most_reach);
@@ -270,9 +284,9 @@ static km_status prepare(km_map_search *g, km_error *error) {
   g->rows = KM_ARENA_NEW(&g->arena, double, cells *km_table_columns(g->out->cells));
   g->is_written = KM_ARENA_NEW(&g->arena, bool, cells);
   g->aspect = KM_ARENA_NEW(&g->arena, int, cells);
-  if (def->figures)
-    status = km_state_create(f->m, &g->at, error);
-  return g->arena.failed || !g->curves ? no_memory(error) : status;
+  if (g->arena.failed || !g->curves)
+    return no_memory(error);
+  return def->figures ? km_state_create(f->m, &g->at, error) : KM_OK;
 }
 
 /* Closes the loops of an open configuration with all coordinates free. */
@@ -350,12 +364,6 @@ static km_status add_crossing_curves(km_map_search *g, km_error *error) {
   return status;
 }
 
-/* Moves the state to a mode. */
-static km_status move_to_mode(km_map_search *g, const km_all_modes *modes, int i, km_error *error) {
-  const km_mechanism *m = g->f.m;
-  return km_state_set_coordinates(m, g->f.s, modes->coordinates + (size_t)i * (size_t)m->coordinate_count, error);
-}
-
 /* Adds curves and sheets that known curves lead to, until there are no further ones. */
 static km_status follow_curves(km_map_search *g, km_error *error) {
   km_status status = KM_OK;
@@ -420,12 +428,10 @@ km_status km_space_map_compute(const km_mechanism *m, const km_state *s, const k
   status = km_state_create(m, &g.f.s, error);
   if (!status) {
     km_state_copy(m, g.f.s, s);
-    status = prepare(&g, error);
+    status = prepare_surface(&g, modes, error);
   }
-  if (!status && modes->count > 0)
-    status = move_to_mode(&g, modes, 0, error);
-  if (!status && modes->count > 0)
-    status = km_driver_surface_begin(&g.f, &g.arena, error);
+  if (!status)
+    status = prepare_grid(&g, error);
   if (!status)
     status = find(&g, modes, error);
   km_surface_curves_free(g.curves);

@@ -1,8 +1,8 @@
 /* Rows of the tables of a map (docs/theory.md 4.19).
  *
  *   N = (−A⁻¹ B; I);   m_j = N_j (Nᵀ N)⁻¹ N_jᵀ,   smallest singular values of A and of J
- *   D = G N            of a point in its plane: smallest singular value, |det D| */
-#include "space/map_search.h"
+ *   D = G N            of a point on its plane or sphere: smallest singular value, |det D| */
+#include "space/map/map_search.h"
 
 #include "base/number/vectors.h"
 #include "base/table.h"
@@ -23,6 +23,14 @@ static bool add_point(const km_map_search *g, km_table *table) {
   return is_ok;
 }
 
+/* Chart of a point on a sphere. */
+static bool add_chart(const km_map_search *g, km_table *table) {
+  const char *unit = km_model_units(g->f.m->model).length->suffix;
+  return g->f.point_surface.radius == 0.0 ||
+         (km_table_add_joined_column(table, "chart.", g->def->point_name, ".x", unit) &&
+          km_table_add_joined_column(table, "chart.", g->def->point_name, ".y", unit));
+}
+
 static bool add_cell_columns(const km_map_search *g, km_table *table) {
   const km_mechanism *m = g->f.m;
   const km_map_figures *figures = g->def->figures;
@@ -39,7 +47,7 @@ static bool add_cell_columns(const km_map_search *g, km_table *table) {
           km_table_add_joined_column(table, "sigma.closure", "", "", "") && add_point(g, table);
   if (is_ok && g->f.frame >= 0)
     is_ok = km_table_add_joined_column(table, "sigma.output", "", "", "") &&
-            km_table_add_joined_column(table, "manipulability", "", "", "");
+            km_table_add_joined_column(table, "manipulability", "", "", "") && add_chart(g, table);
   for (int i = 0; is_ok && figures && i < figures->count; ++i)
     is_ok = km_table_add_joined_column(table, figures->names[i], "", "", figures->units[i]);
   return is_ok;
@@ -50,13 +58,13 @@ static bool add_curve_columns(const km_map_search *g, km_table *table) {
                km_table_add_joined_column(table, "kind", "", "", "");
   for (int c = 0; is_ok && c < g->f.m->coordinate_count; ++c)
     is_ok = km_model_add_coordinate_column(g->f.m->model, c, table);
-  return is_ok && add_point(g, table);
+  return is_ok && add_point(g, table) && add_chart(g, table);
 }
 
 static bool add_boundary_columns(const km_map_search *g, km_table *table) {
   return table && km_table_add_joined_column(table, "loop", "", "", "") &&
          km_table_add_joined_column(table, "kind", "", "", "") &&
-         km_table_add_joined_column(table, "curve", "", "", "") && add_point(g, table);
+         km_table_add_joined_column(table, "curve", "", "", "") && add_point(g, table) && add_chart(g, table);
 }
 
 bool km_map_add_columns(km_map_search *g) {
@@ -118,7 +126,10 @@ static int write_output(km_map_search *g, const double *N, double *row, int *sig
   row[3] = squares > 0.0 ? fabs(determinant) / sqrt(0.5 * (squares + root)) : 0.0;
   row[4] = fabs(determinant);
   *sign = fabs(determinant) <= singular * squares ? 0 : determinant < 0.0 ? -1 : 1;
-  return 5;
+  if (g->f.point_surface.radius == 0.0)
+    return 5;
+  row[5] = row[6] = 0.0; /* the chart is chosen at the end */
+  return 7;
 }
 
 /* Writes the caller's figures. False: the caller ends the map, or out of memory. */

@@ -1,9 +1,9 @@
-/* The largest circle and rectangle that no curve meets (space/outline.h).
+/* The largest circle and rectangle that no curve meets (space/outline/outline.h).
  *
  *   circle   : max of the distance d(p) from the curves, negative outside, by branch and bound: in a square of half
  *              side h around c, d(p) <= d(c) + h √2
  *   rectangle: the largest one of free cells of a raster, then each side moved out to the next curve */
-#include "space/outline.h"
+#include "space/outline/outline.h"
 
 #include <math.h>
 #include <string.h>
