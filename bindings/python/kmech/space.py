@@ -88,7 +88,8 @@ class AspectWorkspace(NamedTuple):
 
 class Workspace(NamedTuple):
     """The workspace of a map's point. outline: loop, kind, curve and place of its points, the workspace on the left. gap: longest gap
-    that a straight line closes. outside: of `checked` grid points those beyond the outline, 0 unless a curve is missing. aspects: one by one."""
+    that a straight line closes. outside: of `checked` grid points those beyond the outline, 0 unless a curve is missing. aspects: one by one.
+    sphere: centre and radius of that on which the point moves; None: a plane."""
 
     outline: Table
     area: float
@@ -97,6 +98,7 @@ class Workspace(NamedTuple):
     outside: int
     checked: int
     aspects: Tuple[AspectWorkspace, ...]
+    sphere: Optional[Tuple[Tuple[float, float, float], float]] = None
 
 
 class SpaceMap(NamedTuple):
@@ -117,8 +119,9 @@ class SpaceMap(NamedTuple):
 def _workspace(found: Any) -> Workspace:
     aspects = tuple(AspectWorkspace(at.aspect, at.area, tuple(at.circle), at.radius, tuple(at.rectangle), at.width, at.height)
                     for at in found.workspaces[0:found.workspace_count])
+    surface = found.surface
     return Workspace(table_of(found.boundary, found), found.workspace_area, found.hole_count, found.gap, found.unbounded, found.checked,
-                     aspects)
+                     aspects, (tuple(surface.origin), surface.radius) if surface.radius > 0.0 else None)
 
 
 ASKS = ("mobility", "advantage", "forces", "clearance")  # in the order of km_map_ask

@@ -439,7 +439,10 @@ def test_maps_over_two_drivers(source):
     lens = 4.5 * numpy.arccos(1 / 3) - numpy.sqrt(2)  # of the circles of both legs, radius 1.5, but for two of radius 0.3
     assert abs(workspace.area - lens + 2 * numpy.pi * 0.09) < 1e-8
     assert (workspace.holes, workspace.gap, workspace.outside) == (2, 0, 0)
-    assert max(at.radius for at in workspace.aspects) > 0.59
+    assert max(at.radius for at in workspace.aspects) > 0.59 and workspace.sphere is None
+    wrist = kmech.load(source / "models/wrist.json").mechanism().space_map({"A": turn, "E": turn}, point="rod1/P").workspace
+    assert abs(wrist.area - 0.0798706241356) < 1e-9  # both chains reach from 10° to 130°
+    assert wrist.sphere[0] == pytest.approx((0, 0, 0), abs=1e-12) and wrist.sphere[1] == pytest.approx(0.1)
     with pytest.raises(kmech.UsageError, match="two of them"):
         mechanism.space_map({"A": (-2, 2, 21)})
     with pytest.raises(kmech.Cancelled):
