@@ -32,7 +32,21 @@ kt_exit kspace_read_clearance(const kt_common *common, const char *text, const c
   return status ? kt_exit_of(status) : KT_DONE;
 }
 
-kt_exit kspace_deliver(const kt_common *common, const kt_formats *formats, const char *base, const kspace_answer *a) {
+bool kspace_read_formats(const kt_common *common, const char *format, const char *among, const char *model,
+                         kspace_files *files) {
+  if (!kt_formats_parse_among(common, format ? format : "csv,svg", among, &files->formats))
+    return false;
+  int printed = files->formats.wanted[KT_JSON] ? 1 : 0;
+  if (format && !files->base && kt_formats_count(&files->formats) > printed) {
+    kt_base_name(model, files->name, sizeof files->name);
+    files->base = files->name;
+  }
+  return true;
+}
+
+kt_exit kspace_deliver(const kt_common *common, const kspace_files *files, const kspace_answer *a) {
+  const char *base = files->base;
+  const kt_formats *formats = &files->formats;
   km_arena arena = {0};
   km_text text = {0}, record = {0};
   bool wants_record = formats->wanted[KT_JSON];

@@ -20,10 +20,18 @@ typedef struct kspace_answer {
   void (*print)(const void *context, km_text *out);
   kt_exit (*write)(const void *context, kt_format format, const km_text *record); /* the files of a format */
 } kspace_answer;
+/* The files of an answer. */
+typedef struct kspace_files {
+  const char *base; /* -o, or NULL: the answer is printed */
+  kt_formats formats;
+  char name[256]; /* BASE where --format states files without -o: the model's name */
+} kspace_files;
+/* Reads --format, csv and svg unless stated, of a command that writes some of `among`. False and a message: invalid. */
+bool kspace_read_formats(const kt_common *common, const char *format, const char *among, const char *model,
+                         kspace_files *files);
 /* Writes the files of `base`, unless it is NULL, in the formats, and prints the text, or the record if it is requested
  * and has no file. */
-kt_exit kspace_deliver(const kt_common *common, const kt_formats *formats, const char *base,
-                       const kspace_answer *answer);
+kt_exit kspace_deliver(const kt_common *common, const kspace_files *files, const kspace_answer *answer);
 
 /* Reads --clearance: the pairs of bodies at the pose, and the least clearance. NULL without the option; free `*out` in
  * any case. */

@@ -16,9 +16,9 @@ enum { DEFAULT_STEPS = 100 };
 typedef struct options {
   kt_common common;
   kt_texts holds, sets, joints, ranges, steps;
-  const char *model, *base, *point, *format, *show, *clearance; /* base: -o, or NULL */
+  const char *model, *point, *format, *show, *clearance;
   int ask, limits, over_point, own;
-  kt_formats formats;
+  kspace_files files;
 } options;
 
 /* The drivers: those of --joint, else the two actuators of the model. */
@@ -115,30 +115,31 @@ static kt_exit write_picture(const map_answer *a, kt_format format) {
       .column = shown_column(a->o, &a->def), .over_point = a->o->over_point, .title = a->o->model};
   km_text out = {0};
   km_error error;
-  km_status status =
-      km_space_map_picture(a->pose->mechanism, &a->def, &a->map, &look, kt_picture_format(format), &out, &error);
+  km_status status = format == KT_HTML ? km_space_map_page(a->pose->mechanism, &a->def, &a->map, &look, &out, &error)
+                                       : km_space_map_picture(a->pose->mechanism, &a->def, &a->map, &look,
+                                                              kt_picture_format(format), &out, &error);
   if (status)
     kt_print_message(&a->o->common, KM_ERROR, "%s: %s", a->o->model, error.text);
   kt_exit result =
-      status ? kt_exit_of(status) : kt_write(&a->o->common, a->o->base, "map", kt_format_word(format), &out);
+      status ? kt_exit_of(status) : kt_write(&a->o->common, a->o->files.base, "map", kt_format_word(format), &out);
   km_text_free(&out);
   return result;
 }
 
 static kt_exit write_tables(const map_answer *a) {
   const kt_common *common = &a->o->common;
-  kt_exit result = kspace_write_csv(common, a->o->base, a->map.cells, "map");
+  kt_exit result = kspace_write_csv(common, a->o->files.base, a->map.cells, "map");
   if (result == KT_DONE)
-    result = kspace_write_csv(common, a->o->base, a->map.curves, "singular");
+    result = kspace_write_csv(common, a->o->files.base, a->map.curves, "singular");
   if (result == KT_DONE && a->map.boundary)
-    result = kspace_write_csv(common, a->o->base, a->map.boundary, "boundary");
+    result = kspace_write_csv(common, a->o->files.base, a->map.boundary, "boundary");
   return result;
 }
 
 static kt_exit write_format(const void *context, kt_format format, const km_text *record) {
   const map_answer *a = context;
   return format == KT_CSV    ? write_tables(a)
-         : format == KT_JSON ? kt_write(&a->o->common, a->o->base, "map", "json", record)
+         : format == KT_JSON ? kt_write(&a->o->common, a->o->files.base, "map", "json", record)
                              : write_picture(a, format);
 }
 
@@ -234,7 +235,7 @@ static kt_exit run(const options *o, const kt_pose *pose) {
   if (result == KT_DONE)
     result = compute(&a);
   if (result == KT_DONE)
-    result = kspace_deliver(&o->common, &o->formats, o->base, &forms);
+    result = kspace_deliver(&o->common, &o->files, &forms);
   if (result == KT_DONE && is_partial(&a))
     result = KT_PARTIAL;
   km_map_figures_free(figures);
@@ -265,8 +266,8 @@ kt_exit kspace_map(int argc, char **argv) {
       {"over-point", 0, NULL, "Draw the picture over the place of --point: the workspace", KT_FLAG, &o.over_point,
        KT_ABOUT_FILES},
       {"format", 0, "FORMATS",
-       "Some of csv,json,svg,pdf,png (default csv,svg); json without -o: a record in place of the text",
-       KT_TEXT_OF("csv or json or svg or pdf or png"), &o.format, KT_ABOUT_FILES},
+       "Some of csv,json,svg,pdf,png,html (default csv,svg); html: surfaces that turn; json without -o: a record in place of the text",
+       KT_TEXT_OF("csv or json or svg or pdf or png or html"), &o.format, KT_ABOUT_FILES},
       {"own", 0, NULL, "Follow the sheet of the pose only", KT_FLAG, &o.own, KT_ABOUT_MODEL},
       {"limits", 0, NULL, "Leave out cells beyond the joint limits", KT_FLAG, &o.limits, KT_ABOUT_MODEL},
       {"clearance", 0, "X",
@@ -276,8 +277,8 @@ kt_exit kspace_map(int argc, char **argv) {
       KT_HOLD(&o.holds, KT_HOLD_RIGID),
       KT_POSE(o.common),
       KT_BASE(
-          &o.base,
-          "Write BASE.map.csv (the grid), BASE.singular.csv (the curves), with --point BASE.boundary.csv (the outline of the workspace), and BASE.map.svg"),
+          &o.files.base,
+          "Write BASE.map.csv (the grid), BASE.singular.csv (the curves), with --point BASE.boundary.csv (the outline of the workspace), and BASE.map.svg, with --format html BASE.map.html (default where --format states a file: the model's name)"),
   };
   KT_OPTIONS_ADD(&all, own);
   all.operand = (kt_operand){"model", "MODEL", true, &o.model, NULL};
@@ -302,7 +303,7 @@ kt_exit kspace_map(int argc, char **argv) {
       "rows of the grid.",
       argc, argv);
   kt_pose pose;
-  if (!kt_formats_parse_among(&o.common, o.format ? o.format : "csv,svg", "csv,json,svg,pdf,png", &o.formats))
+  if (!kspace_read_formats(&o.common, o.format, "csv,json,svg,pdf,png,html", o.model, &o.files))
     return KT_USAGE;
   kt_exit result = kt_open(&o.common, o.model, &o.holds, &o.sets, &pose);
   if (result == KT_DONE)

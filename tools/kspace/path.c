@@ -16,9 +16,9 @@
 typedef struct options {
   kt_common common;
   kt_texts holds, joints;
-  const char *model, *from, *to, *margin, *clearance, *time, *base, *format; /* base: -o, or NULL */
+  const char *model, *from, *to, *margin, *clearance, *time, *format;
   int ignores_limits;
-  kt_formats formats;
+  kspace_files files;
 } options;
 
 static void free_texts(kt_texts *texts) {
@@ -114,7 +114,8 @@ static kt_exit write_picture(const options *o, const km_space_path *path, int dr
     status = km_chart_picture(chart, kt_picture_format(format), &out, &error);
   if (status)
     kt_print_message(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
-  kt_exit result = status ? kt_exit_of(status) : kt_write(&o->common, o->base, "path", kt_format_word(format), &out);
+  kt_exit result =
+      status ? kt_exit_of(status) : kt_write(&o->common, o->files.base, "path", kt_format_word(format), &out);
   km_chart_free(chart);
   km_text_free(&out);
   return result;
@@ -134,7 +135,7 @@ static kt_exit write_format(const void *context, kt_format format, const km_text
   if (a->path.outcome != KM_SPACE_PATH_FOUND)
     return KT_DONE;
   if (format == KT_CSV)
-    return kspace_write_csv(&o->common, o->base, a->path.table, "path");
+    return kspace_write_csv(&o->common, o->files.base, a->path.table, "path");
   if (format != KT_JSON)
     return write_picture(o, &a->path, a->driver_count, format);
   if (o->from || o->holds.count > 0)
@@ -142,9 +143,9 @@ static kt_exit write_format(const void *context, kt_format format, const km_text
         &o->common, KM_NOTE,
         "%s: --from and --hold are not in %s.path.json: give ksim inverse the same pose by --pose or --set, "
         "and --hold",
-        o->model, o->base);
+        o->model, o->files.base);
   return kspace_write_played_model(&o->common, o->model, a->pose->model, a->path.motion, a->drivers, a->driver_count,
-                                   f->time, o->base);
+                                   f->time, o->files.base);
 }
 
 static const km_value *record_path(const void *context, km_arena *arena) {
@@ -232,7 +233,7 @@ static kt_exit run(const options *o, const kt_pose *from, const kt_pose *to) {
   if (result == KT_DONE)
     result = find_path(o, to, values, &kept, &a);
   if (result == KT_DONE)
-    result = kspace_deliver(&o->common, &o->formats, o->base, &forms);
+    result = kspace_deliver(&o->common, &o->files, &forms);
   if (result == KT_DONE && a.path.outcome != KM_SPACE_PATH_FOUND)
     result = KT_PARTIAL;
   km_space_path_free(&a.path);
@@ -265,7 +266,9 @@ kt_exit kspace_path(int argc, char **argv) {
        "Some of csv,json,svg,pdf,png (default csv,svg); json is the model, its drivers prescribed; without -o a record in "
        "place of the text",
        KT_TEXT_OF("csv or json or svg or pdf or png"), &o.format, KT_ABOUT_FILES},
-      KT_BASE(&o.base, "Write BASE.path.csv, .svg … where a path was found"),
+      KT_BASE(
+          &o.files.base,
+          "Write BASE.path.csv, .svg … where a path was found (default where --format states a file: the model's name)"),
   };
   KT_OPTIONS_ADD(&all, own);
   all.operand = (kt_operand){"model", "MODEL", true, &o.model, NULL};
@@ -284,7 +287,7 @@ kt_exit kspace_path(int argc, char **argv) {
       "smooth (false: the drivers turn corners), length, least_margin (null: the drivers move no loop), and the table's columns and rows. Exit status 1: "
       "no path was found.",
       argc, argv);
-  if (!kt_formats_parse_among(&o.common, o.format ? o.format : "csv,svg", "csv,json,svg,pdf,png", &o.formats))
+  if (!kspace_read_formats(&o.common, o.format, "csv,json,svg,pdf,png", o.model, &o.files))
     return KT_USAGE;
   if (!o.to)
     return kt_usage(&o.common, "--to", "is missing", "a pose that the model names, or JOINT=VALUE,JOINT=VALUE");

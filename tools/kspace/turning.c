@@ -16,8 +16,8 @@ static const double same_turn = 1e-9; /* part of a turn that is rounding */
 typedef struct options {
   kt_common common;
   kt_texts holds, sets, vary;
-  const char *model, *joint, *base, *format; /* base: -o, or NULL */
-  kt_formats formats;
+  const char *model, *joint, *format;
+  kspace_files files;
 } options;
 
 /* The definition: driver and number. `variants` keeps the path. */
@@ -121,7 +121,7 @@ static kt_exit write_picture(const turning_answer *a, kt_format format) {
   if (status)
     kt_print_message(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
   else
-    result = kt_write(&o->common, o->base, "turning", kt_format_word(format), &out);
+    result = kt_write(&o->common, o->files.base, "turning", kt_format_word(format), &out);
   km_chart_free(chart);
   km_table_free(lines);
   km_text_free(&label);
@@ -133,9 +133,9 @@ static kt_exit write_format(const void *context, kt_format format, const km_text
   const turning_answer *a = context;
   const kt_common *common = &a->o->common;
   if (format == KT_CSV)
-    return kspace_write_csv(common, a->o->base, a->turning.curves, "turning");
+    return kspace_write_csv(common, a->o->files.base, a->turning.curves, "turning");
   if (format == KT_JSON)
-    return kt_write(common, a->o->base, "turning", "json", record);
+    return kt_write(common, a->o->files.base, "turning", "json", record);
   if (a->turning.curve_count > 0)
     return write_picture(a, format);
   kt_print_message(common, KM_NOTE, "%s: no picture: there is no dead point", a->o->model);
@@ -162,7 +162,7 @@ static kt_exit run(const options *o, const kt_pose *pose, const km_turning_def *
   kt_progress_end(&progress);
   if (status)
     kt_print_message(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
-  kt_exit result = status ? kt_exit_of(status) : kspace_deliver(&o->common, &o->formats, o->base, &forms);
+  kt_exit result = status ? kt_exit_of(status) : kspace_deliver(&o->common, &o->files, &forms);
   if (result == KT_DONE && !a.turning.is_complete)
     result = KT_PARTIAL;
   km_turning_free(&a.turning);
@@ -184,7 +184,9 @@ kt_exit kspace_turning(int argc, char **argv) {
       {"format", 0, "FORMATS",
        "Some of csv,json,svg,pdf,png (default csv,svg); json without -o: a record in place of the text",
        KT_TEXT_OF("csv or json or svg or pdf or png"), &o.format, KT_ABOUT_FILES},
-      KT_BASE(&o.base, "Write the curves to BASE.turning.csv and a plot to BASE.turning.svg"),
+      KT_BASE(
+          &o.files.base,
+          "Write the curves to BASE.turning.csv and a plot to BASE.turning.svg (default where --format states a file: the model's name)"),
   };
   KT_OPTIONS_ADD(&all, own);
   all.operand = (kt_operand){"model", "MODEL", true, &o.model, NULL};
@@ -206,10 +208,9 @@ kt_exit kspace_turning(int argc, char **argv) {
   kt_pose pose = {0};
   kt_variants variants = {0};
   km_turning_def def;
-  kt_exit result =
-      kt_formats_parse_among(&o.common, o.format ? o.format : "csv,svg", "csv,json,svg,pdf,png", &o.formats)
-          ? kt_open(&o.common, o.model, &o.holds, &o.sets, &pose)
-          : KT_USAGE;
+  kt_exit result = kspace_read_formats(&o.common, o.format, "csv,json,svg,pdf,png", o.model, &o.files)
+                       ? kt_open(&o.common, o.model, &o.holds, &o.sets, &pose)
+                       : KT_USAGE;
   if (result == KT_DONE)
     result = read_definition(&o, pose.model, &variants, &def);
   if (result == KT_DONE)

@@ -241,6 +241,13 @@ KM_API km_status km_space_map_picture(const km_mechanism *mechanism, const km_sp
                                       const km_space_map *map, const km_map_look *look, km_picture_format format,
                                       km_text *out, km_error *error);
 
+/* Page of a map: one HTML file without other files, in which the sheets, or over the point the aspects, are surfaces
+ * that the reader turns; height and colour are a column, which can be chosen, with five digits; the curves lie on the
+ * surfaces. The page keeps every k-th grid point of more than 100 intervals. Appends it; errors as
+ * km_space_map_picture. O(cells + points of curves). */
+KM_API km_status km_space_map_page(const km_mechanism *mechanism, const km_space_map_def *def, const km_space_map *map,
+                                   const km_map_look *look, km_text *out, km_error *error);
+
 /* Report about an answer to "advantage" with option `transmission`, or to "forces": configurations, curves, tables.
  * `stopped_by`: km_sweep_stop_text. `html`: one self-contained file, otherwise PDF pages. Appends the bytes.
  * KM_USAGE: a question without report, or no answer; KM_MEMORY, KM_INTERNAL. */

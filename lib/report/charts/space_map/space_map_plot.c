@@ -7,6 +7,7 @@
 #include "kmech/report.h"
 #include "report/canvas/palette.h"
 #include "report/charts/map_axes.h"
+#include "report/charts/space_map/space_map_columns.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -33,76 +34,15 @@ typedef struct map_picture {
   const km_map_look *look;
   km_canvas *canvas;
   km_arena arena;
-  size_t value, x, y;      /* columns of the cells */
-  size_t curve_x, curve_y; /* columns of the curves */
-  double low, high;        /* values at the ends of the colours */
+  km_map_columns columns;
+  double low, high; /* values at the ends of the colours */
   double x_low, x_high, y_low, y_high;
-  size_t part; /* column of the panels' numbers: sheet, or aspect over the point's place */
   int panels, number[MOST_PANELS];
   int across, down, stride; /* grid points along both drivers; distance of those that are drawn */
   int *row;                 /* [across × down] of the present part, −1: not reached */
 } map_picture;
 
 /* ---- Choice of columns and ranges. */
-
-static km_status no_column(const map_picture *p, const char *column, km_error *error) {
-  const km_table *t = p->map->cells;
-  km_nearest nearest = {.wanted = column};
-  char names[KM_NEAREST_TEXT];
-  for (size_t c = 0; c < km_table_columns(t); ++c)
-    km_nearest_add(&nearest, km_table_name(t, c));
-  return km_fail(error, KM_USAGE, "the map has no column \"%s\"; the nearest are %s", column,
-                 km_nearest_text(&nearest, names));
-}
-
-/* The chart of a sphere, or the two coordinates of the point's place that vary most, in the order x y z. */
-static void choose_places(map_picture *p) {
-  const km_table *t = p->map->cells;
-  size_t first = km_table_span(t, "point.").first;
-  km_span chart = km_table_span(t, "chart.");
-  double span[3];
-  if (chart.count > 0) {
-    p->x = chart.first;
-    p->y = chart.first + 1;
-    p->curve_x = km_table_span(p->map->curves, "chart.").first;
-    p->curve_y = p->curve_x + 1;
-    return;
-  }
-  for (size_t k = 0; k < 3; ++k) {
-    double low = HUGE_VAL, high = -HUGE_VAL;
-    for (size_t r = 0; r < km_table_rows(t); ++r) {
-      low = fmin(low, km_table_row(t, r)[first + k]);
-      high = fmax(high, km_table_row(t, r)[first + k]);
-    }
-    span[k] = high - low;
-  }
-  size_t out = span[2] <= span[0] && span[2] <= span[1] ? 2 : span[0] <= span[1] ? 0 : 1;
-  size_t curves = km_table_span(p->map->curves, "point.").first;
-  p->x = first + (out == 0 ? 1 : 0);
-  p->y = first + (out == 2 ? 1 : 2);
-  p->curve_x = curves + (out == 0 ? 1 : 0);
-  p->curve_y = curves + (out == 2 ? 1 : 2);
-}
-
-static km_status choose_columns(map_picture *p, km_error *error) {
-  const char *column = p->look->column ? p->look->column : "sigma.input";
-  int value = km_table_find(p->map->cells, column);
-  if (value < 0)
-    return no_column(p, column, error);
-  p->value = (size_t)value;
-  p->part = p->look->over_point ? 3 : 2;
-  if (p->look->over_point && !p->def->has_point)
-    return km_fail(error, KM_USAGE, "the map has no point, over whose place it could be drawn");
-  if (p->look->over_point) {
-    choose_places(p);
-    return KM_OK;
-  }
-  p->x = 0;
-  p->y = 1;
-  p->curve_x = (size_t)km_table_find(p->map->curves, km_table_name(p->map->cells, 0));
-  p->curve_y = (size_t)km_table_find(p->map->curves, km_table_name(p->map->cells, 1));
-  return KM_OK;
-}
 
 static int ascending(const void *a, const void *b) {
   double x = *(const double *)a, y = *(const double *)b;
@@ -118,12 +58,12 @@ static void find_ranges(map_picture *p) {
   p->x_high = p->y_high = -HUGE_VAL;
   for (size_t r = 0; values && r < rows; ++r) {
     const double *row = km_table_row(t, r);
-    p->x_low = fmin(p->x_low, row[p->x]);
-    p->x_high = fmax(p->x_high, row[p->x]);
-    p->y_low = fmin(p->y_low, row[p->y]);
-    p->y_high = fmax(p->y_high, row[p->y]);
-    if (isfinite(row[p->value]))
-      values[count++] = row[p->value];
+    p->x_low = fmin(p->x_low, row[p->columns.x]);
+    p->x_high = fmax(p->x_high, row[p->columns.x]);
+    p->y_low = fmin(p->y_low, row[p->columns.y]);
+    p->y_high = fmax(p->y_high, row[p->columns.y]);
+    if (isfinite(row[p->columns.value]))
+      values[count++] = row[p->columns.value];
   }
   if (!values)
     return;
@@ -150,15 +90,15 @@ static void find_panels(map_picture *p) {
   const km_table *t = p->map->cells;
   int count = 0;
   for (size_t r = 0; r < km_table_rows(t); ++r)
-    count = (int)fmax(count, km_table_row(t, r)[p->part]);
+    count = (int)fmax(count, km_table_row(t, r)[p->columns.part]);
   map_part *parts = KM_ARENA_NEW(&p->arena, map_part, (size_t)count + 1);
   if (!parts)
     return;
   for (int k = 0; k < count; ++k)
     parts[k].number = k + 1;
   for (size_t r = 0; r < km_table_rows(t); ++r)
-    if (km_table_row(t, r)[p->part] > 0.0) /* an aspect's number is 0 on a singularity curve */
-      ++parts[(int)km_table_row(t, r)[p->part] - 1].cells;
+    if (km_table_row(t, r)[p->columns.part] > 0.0) /* an aspect's number is 0 on a singularity curve */
+      ++parts[(int)km_table_row(t, r)[p->columns.part] - 1].cells;
   qsort(parts, (size_t)count, sizeof *parts, by_size);
   while (p->panels < MOST_PANELS && p->panels < count && parts[p->panels].cells > 0) {
     p->number[p->panels] = parts[p->panels].number;
@@ -231,7 +171,7 @@ static bool corner_at(const map_picture *p, int i, int j, corner *out) {
   if (r < 0)
     return false;
   const double *row = km_table_row(p->map->cells, (size_t)r);
-  *out = (corner){row[p->x], row[p->y], row[p->value]};
+  *out = (corner){row[p->columns.x], row[p->columns.y], row[p->columns.value]};
   return true;
 }
 
@@ -272,7 +212,7 @@ static void index_part(map_picture *p, int number) {
       const km_space_axis *a = &p->def->axis[d];
       at[d] = (int)round((row[d] - a->from) / (a->to - a->from) * a->steps);
     }
-    if (row[p->part] == number)
+    if (row[p->columns.part] == number)
       p->row[at[1] * p->across + at[0]] = (int)r;
   }
 }
@@ -288,9 +228,11 @@ static void draw_curves(map_picture *p, const km_frame *frame) {
     return;
   for (size_t r = 0; r <= rows; ++r) {
     const double *row = r < rows ? km_table_row(t, r) : NULL, *before = r > 0 ? km_table_row(t, r - 1) : NULL;
-    bool is_new = !row || (before && (row[0] != before[0] ||
-                                      fabs(row[p->curve_x] - before[p->curve_x]) > 0.25 * (p->x_high - p->x_low) ||
-                                      fabs(row[p->curve_y] - before[p->curve_y]) > 0.25 * (p->y_high - p->y_low)));
+    bool is_new =
+        !row ||
+        (before && (row[0] != before[0] ||
+                    fabs(row[p->columns.curve_x] - before[p->columns.curve_x]) > 0.25 * (p->x_high - p->x_low) ||
+                    fabs(row[p->columns.curve_y] - before[p->columns.curve_y]) > 0.25 * (p->y_high - p->y_low)));
     if (is_new && count > 1) {
       bool is_output = before[1] == KM_CURVE_OUTPUT,
            is_limit = before[1] == KM_CURVE_LIMIT || before[1] == KM_CURVE_CLEARANCE;
@@ -308,7 +250,7 @@ static void draw_curves(map_picture *p, const km_frame *frame) {
     count = is_new ? 0 : count;
     if (!row)
       break;
-    km_canvas_point at = km_frame_map(frame, row[p->curve_x], row[p->curve_y]);
+    km_canvas_point at = km_frame_map(frame, row[p->columns.curve_x], row[p->columns.curve_y]);
     bool is_last = r + 1 == rows || km_table_row(t, r + 1)[0] != row[0];
     if (count == 0 || is_last || hypot(at.x - points[count - 1].x, at.y - points[count - 1].y) > shortest_line)
       points[count++] = at;
@@ -316,21 +258,20 @@ static void draw_curves(map_picture *p, const km_frame *frame) {
 }
 
 static void axis_name(const map_picture *p, size_t column, km_text *out) {
-  const char *name = km_table_name(p->map->cells, column), *unit = km_table_unit(p->map->cells, column);
-  km_text_format(out, "%s%s%s%s", strncmp(name, "q.", 2) == 0 ? name + 2 : name, *unit ? " (" : "", unit,
-                 *unit ? ")" : "");
+  const char *unit = km_table_unit(p->map->cells, column);
+  km_text_format(out, "%s%s%s%s", km_map_column_name(p->map->cells, column), *unit ? " (" : "", unit, *unit ? ")" : "");
 }
 
 static void draw_axes(const map_picture *p, const km_frame *f, int number) {
   const km_font label = {.size = 9}, title = {.size = 9.5, .bold = true};
   double bottom = f->top + f->height;
   km_text x_name = {0}, y_name = {0}, heading = {0};
-  axis_name(p, p->x, &x_name);
-  axis_name(p, p->y, &y_name);
+  axis_name(p, p->columns.x, &x_name);
+  axis_name(p, p->columns.y, &y_name);
   km_axis x = km_axis_fit(f->x_low, f->x_high, 5, km_axis_in_degrees(x_name.data), false);
   km_axis y = km_axis_fit(f->y_low, f->y_high, 5, km_axis_in_degrees(y_name.data), false);
   km_map_axes_draw(p->canvas, f, &x, &y, 8, 4);
-  km_text_format(&heading, "%s %d", km_table_name(p->map->cells, p->part), number);
+  km_text_format(&heading, "%s %d", km_table_name(p->map->cells, p->columns.part), number);
   km_canvas_words(p->canvas, &title, ink, &heading, (km_canvas_point){f->left, f->top - 4}, (km_anchor){0, 1, 0});
   km_canvas_words(p->canvas, &label, ink, &x_name, (km_canvas_point){f->left + 0.5 * f->width, bottom + 16},
                   (km_anchor){0.5, 0, 0});
@@ -343,7 +284,7 @@ static void draw_colours(const map_picture *p, double left, double top, double h
   char multiplier[KM_AXIS_LABEL];
   km_text name = {0};
   km_map_colours_draw(p->canvas, p->low, p->high, left, top, height, multiplier);
-  axis_name(p, p->value, &name);
+  axis_name(p, p->columns.value, &name);
   km_text_format(&name, "%s%s", *multiplier ? " " : "", multiplier);
   km_canvas_words(p->canvas, &font, ink, &name, (km_canvas_point){left, top - 6}, (km_anchor){0, 1, 0});
 }
@@ -388,16 +329,9 @@ static void draw_page(map_picture *p, int columns, double width) {
   km_text about = {0};
   km_canvas_text(p->canvas, &title, ink, p->look->title ? p->look->title : "Map", (km_canvas_point){margin, margin},
                  (km_anchor){0, 0, 0});
-  bool has_curve[KM_CURVE_CLEARANCE + 1] = {false};
-  for (size_t r = 0; r < km_table_rows(p->map->curves); ++r)
-    has_curve[(int)km_table_row(p->map->curves, r)[1]] = true;
-  int parts = p->part == 2 ? p->map->sheet_count : p->map->aspect_count;
-  km_text_format(&about, "%s%s%svalues beyond the colours have those of the ends%s",
-                 has_curve[KM_CURVE_INPUT] ? "black: the drivers are singular, on all sheets · " : "",
-                 has_curve[KM_CURVE_OUTPUT] ? "red, dashed: the point can't move in some direction · " : "",
-                 has_curve[KM_CURVE_LIMIT] || has_curve[KM_CURVE_CLEARANCE]
-                     ? "grey: an end of a range, a limit or the least clearance · "
-                     : "",
+  int parts = p->columns.part == KM_MAP_SHEET ? p->map->sheet_count : p->map->aspect_count;
+  km_map_curve_words(p->map->curves, ", on all sheets", &about);
+  km_text_format(&about, "values beyond the colours have those of the ends%s",
                  parts > p->panels ? " · further parts are in the table" : "");
   km_canvas_words(p->canvas, &subtitle, grey, &about, (km_canvas_point){margin, margin + 18}, (km_anchor){0, 0, 0});
   for (int panel = 0; panel < p->panels; ++panel)
@@ -407,7 +341,7 @@ static void draw_page(map_picture *p, int columns, double width) {
 }
 
 static km_status prepare(map_picture *p, km_error *error) {
-  km_status status = choose_columns(p, error);
+  km_status status = km_map_columns_choose(p->def, p->map, p->look, &p->columns, error);
   if (status)
     return status;
   find_panels(p);
