@@ -12,6 +12,7 @@ kt_exit kspace_map(int argc, char **argv);
 kt_exit kspace_modes(int argc, char **argv);
 kt_exit kspace_path(int argc, char **argv);
 kt_exit kspace_turning(int argc, char **argv);
+kt_exit kspace_volume(int argc, char **argv);
 
 /* The forms of an answer. */
 typedef struct kspace_answer {

@@ -6,6 +6,7 @@ static const kt_command commands[] = {
     {"map", "sheets over two drivers, from each assembly mode, and their singularity curves", kspace_map},
     {"path", "a path between two configurations without a singularity of the drivers", kspace_path},
     {"turning", "where the driver goes fully round: its dead points over a number of the design", kspace_turning},
+    {"volume", "how large the workspace of a point is: volume or area by samples, with an interval", kspace_volume},
     {"clearance", "distances of bodies, and where they touch: at a pose, or over a motion", kspace_clearance},
     {0}};
 

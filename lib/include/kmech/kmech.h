@@ -23,5 +23,6 @@
 #include "kmech/sweep.h"
 #include "kmech/transfer.h"
 #include "kmech/version.h"
+#include "kmech/volume.h"
 
 #endif
