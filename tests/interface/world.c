@@ -67,6 +67,7 @@ static void open_handles(world *w) {
   w->one_mode = (km_all_modes){.count = 1, .coordinates = w->numbers};
   w->map_def = (km_space_map_def){{{0, -1.0, 1.0, 2}, {km_model_coordinate_count(w->model) - 1, -1.0, 1.0, 2}}};
   w->path_def = (km_space_path_def){.drivers = &w->path_driver, .driver_count = 1, .to = w->numbers};
+  w->volume_def = (km_space_volume_def){.frame = 1, .point_name = "A", .samples = KM_MIN_VOLUME_SAMPLES};
   w->turning_def = (km_turning_def){.file = "missing.json", .path = "missing", .from = 0.0, .to = 1.0};
   w->inverse_def = (km_inverse_def){.rates = w->rates, .rate_count = 1, .until = 0.1, .steps = 2};
   w->history_def.until = 0.1;

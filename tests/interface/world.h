@@ -35,6 +35,7 @@ typedef struct world {
   km_space_map_def map_def;
   km_turning_def turning_def;
   km_space_path_def path_def;
+  km_space_volume_def volume_def;
   km_space_map map;
   km_map_look map_look;
   int path_driver;

@@ -24,30 +24,28 @@ typedef struct volume_answer {
 
 /* ---- Record and text. */
 
-/* Three coordinates of the axis: those of a space are x, y, z. */
-static void print_axis(const km_space_volume *v, int k, const char *unit, km_text *out) {
+static void print_side(const km_space_volume *v, int k, const char *unit, km_text *out) {
   const double *a = v->axis[k];
-  km_text_format(out, "  %.6g to %.6g %s along ", v->box_low[k], v->box_high[k], unit);
+  km_text_add(out, k == 0 ? "box: " : ", ");
   for (int i = 0; i < 3; ++i)
-    if (a[i] == 1.0) {
-      km_text_format(out, "%c\n", "xyz"[i]);
-      return;
-    }
-  km_text_format(out, "(%.6g, %.6g, %.6g)\n", a[0], a[1], a[2]);
+    if (a[i] == 1.0)
+      km_text_format(out, "%c ", "xyz"[i]);
+  if (a[0] != 1.0 && a[1] != 1.0 && a[2] != 1.0)
+    km_text_format(out, "along (%.6g, %.6g, %.6g) ", a[0], a[1], a[2]);
+  km_text_format(out, "%.6g to %.6g %s", v->box_low[k], v->box_high[k], unit);
 }
 
 static void print_volume(const void *context, km_text *out) {
   const volume_answer *a = context;
   const km_space_volume *v = &a->volume;
-  const char *unit = km_model_units(a->pose->model).length->suffix;
-  km_text_format(out, "%s: the workspace of %s has %s %.6g %s^%d, 95 %% interval %.6g to %.6g (standard error %.2g)\n",
-                 a->o->model, a->o->point, v->dimension == 3 ? "a volume of" : "an area of", v->volume, unit,
-                 v->dimension, v->low, v->high, v->standard_error);
-  km_text_format(out, "%d samples: %d reached, %d not reached, %d undecided; %d of %d cells are split\n", v->samples,
-                 v->reached, v->not_reached, v->undecided, v->split_cells, v->samples / 2);
-  km_text_add(out, "They lie in the box\n");
+  const char *unit = km_model_units(a->pose->model).length->suffix, *power = v->dimension == 3 ? "³" : "²";
+  km_text_format(out, "%s: workspace of %s: %s %.6g %s%s, 95 %% interval %.6g to %.6g %s%s\n", a->o->model, a->o->point,
+                 v->dimension == 3 ? "volume" : "area", v->volume, unit, power, v->low, v->high, unit, power);
+  km_text_format(out, "%d samples: %d reached, %d not reached, %d undecided\n", v->samples, v->reached, v->not_reached,
+                 v->undecided);
   for (int k = 0; k < v->dimension; ++k)
-    print_axis(v, k, unit, out);
+    print_side(v, k, unit, out);
+  km_text_add(out, "\n");
 }
 
 static const km_value *record_volume(const void *context, km_arena *arena) {

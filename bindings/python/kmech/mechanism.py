@@ -245,6 +245,16 @@ class Mechanism:
 
         return space_path(self, state or self._copy(), to, drivers, margin, ignore_limits, seed, progress)
 
+    def space_volume(self, point: str, *, samples: int = 0, own: bool = False, limits: bool = False,
+                     clearance: Optional[float] = None, seed: int = 1, jobs: int = 1, progress: Progress = None,
+                     state: Optional[State] = None) -> Any:
+        """How large the workspace of "body/frame" is, a volume or an area in a plane (a SpaceVolume): km_space_volume_find. own: only
+        configurations that a motion from the state leads to. limits: only those within the joint limits; clearance: only those in
+        which bodies are not nearer than so much."""
+        from .space import space_volume
+
+        return space_volume(self, state or self._copy(), point, samples, own, limits, clearance, seed, jobs, progress)
+
     def turning(self, driver: str, path: str, low: float, high: float, *, steps: int = 20, seed: int = 1,
                 progress: Progress = None, state: Optional[State] = None) -> Any:
         """Where the driver goes fully round, over a number of the model's file from low to high: km_turning_find. path: a

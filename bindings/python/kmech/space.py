@@ -127,18 +127,24 @@ def _workspace(found: Any) -> Workspace:
 ASKS = ("mobility", "advantage", "forces", "clearance")  # in the order of km_map_ask
 
 
+def _kept_pairs(mechanism: Mechanism, state: State, clearance: Optional[float]) -> Any:
+    """The pairs of bodies that keep a clearance; NULL: none."""
+    error, pairs = new_error(), ffi.new("km_clearance **")
+    if clearance is None:
+        return ffi.NULL
+    lib.km_poses_compute(mechanism._c, state._c)
+    check(lib.km_clearance_create(mechanism._c, state._c, ffi.NULL, 0, pairs, error), error)
+    return ffi.gc(pairs[0], lib.km_clearance_free)
+
+
 def _map_parts(mechanism: Mechanism, state: State, ask: str, locked: Any, clearance: Optional[float]) -> Tuple[Any, Any]:
     """The figures that the map adds to its cells, and the pairs of bodies that keep a clearance; NULL: none."""
-    error, figures, pairs = new_error(), ffi.new("km_map_figures **"), ffi.new("km_clearance **")
+    error, figures = new_error(), ffi.new("km_map_figures **")
     if ask not in ASKS:
         raise UsageError(f"ask={ask!r}: expected one of {', '.join(ASKS)}")
     check(lib.km_map_figures_create(mechanism._c, state._c, ASKS.index(ask), locked, figures, error), error)
     added = ffi.gc(figures[0], lib.km_map_figures_free) if figures[0] else ffi.NULL
-    if clearance is None:
-        return added, ffi.NULL
-    lib.km_poses_compute(mechanism._c, state._c)
-    check(lib.km_clearance_create(mechanism._c, state._c, ffi.NULL, 0, pairs, error), error)
-    return added, ffi.gc(pairs[0], lib.km_clearance_free)
+    return added, _kept_pairs(mechanism, state, clearance)
 
 
 def space_map(mechanism: Mechanism, state: State, over: Mapping[str, Tuple[float, float, int]], point: Optional[str], ask: str,
@@ -227,6 +233,47 @@ def turning(mechanism: Mechanism, state: State, driver: str, path: str, low: flo
     points = tuple(TurningPoint(at.number, at.driver, text_of(lib.km_turning_kind_name(at.kind)), at.curve)
                    for at in (found.points[i] for i in range(found.point_count)))
     return Turning(intervals, points, table_of(found.curves, found), found.curve_count, found.is_complete)
+
+
+
+class SpaceVolume(NamedTuple):
+    """The size of a point's workspace: a volume, or with dimension 2 an area in a plane; with standard error and 95 % interval. table:
+    point. x y z, reached (1, 0, -1: undecided), q. of every coordinate; a row for each sample. axes and box: unit vectors, and
+    (from, to) along each."""
+
+    dimension: int
+    volume: float
+    standard_error: float
+    low: float
+    high: float
+    samples: int
+    reached: int
+    not_reached: int
+    undecided: int
+    axes: Tuple[Tuple[float, float, float], ...]
+    box: Tuple[Tuple[float, float], ...]
+    table: Table
+    complete: bool
+
+
+def space_volume(mechanism: Mechanism, state: State, point: str, samples: int, own: bool, limits: bool, clearance: Optional[float],
+                 seed: int, jobs: int, progress: Progress) -> SpaceVolume:
+    """The size of the workspace of "body/frame"."""
+    error, watch = new_error(), Watch(progress)
+    found = ffi.gc(ffi.new("km_space_volume *"), lib.km_space_volume_free)
+    name = ffi.new("char[]", point.encode())
+    definition = ffi.new("km_space_volume_def *", {"frame": mechanism.model._frame(point), "point_name": name, "own_circuit": own,
+                                                   "within_limits": limits, "samples": samples, "seed": seed, "jobs": jobs,
+                                                   "least_clearance": float(clearance or 0.0)})
+    with mechanism.model._reading(), state._using():
+        definition.clearance = pairs = _kept_pairs(mechanism, state, clearance)
+        status = lib.km_space_volume_find(mechanism._c, state._c, definition, watch.call, watch.context, found, error)
+    watch.finish()
+    check(status, error)
+    sides = range(found.dimension)
+    return SpaceVolume(found.dimension, found.volume, found.standard_error, found.low, found.high, found.samples, found.reached,
+                       found.not_reached, found.undecided, tuple(tuple(found.axis[k]) for k in sides),
+                       tuple((found.box_low[k], found.box_high[k]) for k in sides), table_of(found.points, found), found.is_complete)
 
 
 class SpacePath(NamedTuple):

@@ -412,6 +412,18 @@ def test_space_path(source):
         mechanism.space_path({"A": 1.0})
 
 
+def test_space_volume(source):
+    mechanism = kmech.Mechanism(kmech.load(source / "models/five_bar.json"))
+    area = mechanism.space_volume("rod1/P", samples=1000, jobs=2)
+    assert area.dimension == 2 and area.complete and area.low < 3.559617 < area.high
+    assert area.reached == list(area.table["reached"]).count(1.0) and len(area.table["reached"]) == area.samples
+    assert area.axes == ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)) and area.box[0] == pytest.approx((-0.51, 1.51), abs=1e-4)
+    with pytest.raises(kmech.UsageError, match="1 freedom;"):
+        mechanism.space_volume("crank2/D", samples=100)
+    with pytest.raises(kmech.UsageError, match="no clearance to compute"):
+        mechanism.space_volume("rod1/P", samples=100, clearance=0.1)
+
+
 def test_all_assembly_modes(source):
     mechanism = kmech.Mechanism(kmech.load(source / "models/fourbar.json"))
     modes = mechanism.all_modes(["A"])

@@ -40,7 +40,7 @@ typedef struct km_space_volume_def {
 typedef struct km_space_volume {
   int dimension;                  /* 3: `volume` is one; 2: it is an area in a plane */
   double volume;                  /* estimate, without undecided samples */
-  double standard_error;          /* of the estimate */
+  double standard_error;          /* standard error of the estimate */
   double low, high;               /* 95 % interval; undecided samples count for its upper end */
   double axis[3][3];              /* [dimension] unit vectors */
   double box_low[3], box_high[3]; /* [dimension] the box along the axes in which the samples lie */

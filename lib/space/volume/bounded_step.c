@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-static const double rounding = 1e-12; /* of a bound, scaled lengths and angles; of a multiplier over |d| */
+static const double rounding = 1e-12; /* excess over a bound, scaled; multiplier over 1 + |d| */
 
 bool km_bounded_step_create(km_bounded_step *g, int most_columns, int most_bounds, km_arena *arena) {
   size_t n = (size_t)most_columns, bounds = (size_t)most_bounds + 1, order = 2 * n;

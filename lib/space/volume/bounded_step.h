@@ -10,7 +10,7 @@
 #include <stdbool.h>
 
 typedef struct km_bounded_step {
-  int rows, columns; /* of A; columns <= most_columns */
+  int rows, columns; /* size of A; columns <= most_columns */
   int bound_count;   /* <= most_bounds */
   int most_columns, most_bounds;
   double *A;              /* [rows × columns], column-major */

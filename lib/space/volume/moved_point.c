@@ -12,7 +12,7 @@
 
 #include <string.h>
 
-enum { MOST_STEPS = 100, MOST_RETURNS = 20, STEP_RETURNS = 3, WANDER_STEPS = 12 };
+enum { MOST_STEPS = 100, MOST_CLIMBS = 1000, MOST_RETURNS = 20, STEP_RETURNS = 3, WANDER_STEPS = 12 };
 static const double reached = 1e-9;        /* distance over L of a point that is there */
 static const double longest_step = 0.3;    /* |w|: radians, or lengths over L */
 static const double least_decrease = 1e-6; /* share of |d|² that a step may still promise where the point is blocked */
@@ -233,7 +233,7 @@ static void update_bounds(km_moved_point *p) {
     add_clearance(p, i);
 }
 
-/* How far the configuration exceeds its bounds; 0: not. After km_poses_compute. */
+/* Largest excess over a bound; 0: none. After km_poses_compute. */
 static double excess(km_moved_point *p) {
   double most = 0.0;
   for (int k = 0; p->keeps_limits && k < p->columns; ++k)
@@ -380,7 +380,7 @@ km_point_end km_moved_point_move_to(km_moved_point *p, const double *target) {
 
 bool km_moved_point_climb(km_moved_point *p, int axis, double sense, double most) {
   double target[3], start = p->x[axis];
-  for (int i = 0; i < MOST_STEPS; ++i) {
+  for (int i = 0; i < MOST_CLIMBS; ++i) {
     double before = p->x[axis];
     memcpy(target, p->x, sizeof target);
     target[axis] += sense * climbing * p->m->length;

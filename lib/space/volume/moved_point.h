@@ -12,10 +12,10 @@
 #include "space/surface/kept_clearance.h"
 #include "space/volume/bounded_step.h"
 
-/* How an attempt to move the point ended. */
+/* End of an attempt to move the point. */
 typedef enum km_point_end {
   KM_POINT_REACHED,
-  KM_POINT_BLOCKED,  /* at a configuration from which no motion brings it nearer */
+  KM_POINT_BLOCKED,  /* no motion brings it nearer */
   KM_POINT_UNSETTLED /* the iteration ended without a result */
 } km_point_end;
 

@@ -6,14 +6,14 @@
 
 enum {
   KM_VOLUME_ATTEMPTS = 8,      /* that end where no motion brings the point nearer, for a sample that isn't reached */
-  KM_MOST_VOLUME_ATTEMPTS = 24 /* of a sample */
+  KM_MOST_VOLUME_ATTEMPTS = 24 /* most attempts of a sample */
 };
 
 /* A known configuration. */
 typedef struct km_known_point {
   double x[3];
   const double *saved;
-  bool is_start; /* of the random closures and motions, not of a sample */
+  bool is_start; /* made by a random closure or motion, not for a sample */
 } km_known_point;
 
 /* A known configuration in the order of x[0]. */
@@ -38,7 +38,7 @@ typedef struct km_volume_search {
   int jobs;
   km_moved_point *point; /* [jobs] */
   double *home;          /* configuration of the caller's state */
-  km_vec3 origin;        /* of the axes: 0, or the plane's point nearest to it */
+  km_vec3 origin;        /* origin of the axes: 0, or the plane's point nearest to it */
   km_known_point *known; /* [known_count] */
   int known_count;
   size_t known_capacity;
@@ -49,7 +49,7 @@ typedef struct km_volume_search {
   km_volume_sample *samples;    /* [out->samples] */
   double *saved;                /* [sample][saved_size] configurations of those reached */
   int *open, open_count;        /* samples of the present round */
-  int share_first, share_count; /* of these, those whose attempts are being made */
+  int share_first, share_count; /* range of the present share in `open` */
   km_progress progress;         /* NULL: none */
   void *context;
 } km_volume_search;

@@ -12,7 +12,7 @@
 
 enum { CLOSURES = 256, MOTIONS = 1024, BATCH = 64, CLIMBS = 8 };
 static const double flat = 1e-8;        /* remainder of the longest difference that is none */
-static const double box_margin = 0.005; /* of the extent, at each end */
+static const double box_margin = 0.005; /* part of the extent, at each end */
 static const double endless = 100.0;    /* extent over L of a workspace without end */
 
 static km_status no_memory(km_error *error) {
@@ -43,7 +43,7 @@ typedef struct batch {
   double (*x)[3];                                                        /* [count] */
   made *result;                                                          /* [count] */
   int *rank;                                                             /* [count] of the point's motions */
-  made (*make)(const struct batch *batch, km_moved_point *p, int index); /* of the batch */
+  made (*make)(const struct batch *batch, km_moved_point *p, int index); /* makes one */
 } batch;
 
 static uint64_t random_of(const km_volume_search *g, int number) {
