@@ -3,6 +3,8 @@
 
 #include "kmech/data.h"
 
+#include <string.h>
+
 kt_exit kspace_write_csv(const kt_common *common, const char *base, const km_table *table, const char *result) {
   size_t size = km_table_csv(table, NULL, 0);
   char *bytes = size > 0 ? KM_NEW(char, size + 1) : NULL;
@@ -34,7 +36,8 @@ kt_exit kspace_read_clearance(const kt_common *common, const char *text, const c
 
 bool kspace_read_formats(const kt_common *common, const char *format, const char *among, const char *model,
                          kspace_files *files) {
-  if (!kt_formats_parse_among(common, format ? format : "csv,svg", among, &files->formats))
+  const char *usual = strstr(among, "svg") ? "csv,svg" : "csv";
+  if (!kt_formats_parse_among(common, format ? format : usual, among, &files->formats))
     return false;
   int printed = files->formats.wanted[KT_JSON] ? 1 : 0;
   if (format && !files->base && kt_formats_count(&files->formats) > printed) {

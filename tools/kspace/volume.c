@@ -10,9 +10,9 @@
 typedef struct options {
   kt_common common;
   kt_texts holds, sets;
-  const char *model, *base, *point, *format, *clearance, *samples; /* base: -o, or NULL */
+  const char *model, *point, *format, *clearance, *samples;
   int limits, own;
-  kt_formats formats;
+  kspace_files files;
 } options;
 
 typedef struct volume_answer {
@@ -80,8 +80,8 @@ static const km_value *record_volume(const void *context, km_arena *arena) {
 
 static kt_exit write_format(const void *context, kt_format format, const km_text *record) {
   const volume_answer *a = context;
-  return format == KT_CSV ? kspace_write_csv(&a->o->common, a->o->base, a->volume.points, "volume")
-                          : kt_write(&a->o->common, a->o->base, "volume", "json", record);
+  return format == KT_CSV ? kspace_write_csv(&a->o->common, a->o->files.base, a->volume.points, "volume")
+                          : kt_write(&a->o->common, a->o->files.base, "volume", "json", record);
 }
 
 /* ---- The command. */
@@ -125,7 +125,7 @@ static kt_exit run(const options *o, const kt_pose *pose) {
   if (result == KT_DONE)
     result = compute(&a);
   if (result == KT_DONE)
-    result = kspace_deliver(&o->common, &o->formats, o->base, &forms);
+    result = kspace_deliver(&o->common, &o->files, &forms);
   if (result == KT_DONE && !a.volume.is_complete)
     result = KT_PARTIAL;
   km_clearance_free(clearance);
@@ -151,7 +151,8 @@ kt_exit kspace_volume(int argc, char **argv) {
       KT_SET(&o.sets, "Start from another pose: move a joint to a value"),
       KT_HOLD(&o.holds, KT_HOLD_RIGID),
       KT_POSE(o.common),
-      KT_BASE(&o.base, "Write the samples to BASE.volume.csv"),
+      KT_BASE(&o.files.base,
+              "Write the samples to BASE.volume.csv (default where --format states a file: the model's name)"),
   };
   KT_OPTIONS_ADD(&all, own);
   all.operand = (kt_operand){"model", "MODEL", true, &o.model, NULL};
@@ -171,7 +172,7 @@ kt_exit kspace_volume(int argc, char **argv) {
       "reached, not_reached, undecided, split_cells, box (axis, from, to, cells), columns and rows. Exit status 1: Ctrl-C "
       "ended the work, and other samples count as undecided; or the box grew to the last.",
       argc, argv);
-  if (!kt_formats_parse_among(&o.common, o.format ? o.format : "csv", "csv,json", &o.formats))
+  if (!kspace_read_formats(&o.common, o.format, "csv,json", o.model, &o.files))
     return KT_USAGE;
   if (!o.point)
     return kt_usage(&o.common, "--point", "is missing", "BODY/FRAME, the point");
