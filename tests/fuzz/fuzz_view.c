@@ -37,7 +37,8 @@ static const struct {
              {"track", 1, 4},    {"motions", 0, 20},    {"diagnose", 0, 1}, {"forces", 0, 30},  {"lever", 2, 30},
              {"modes", 1, 1},    {"mode", 1, 10},       {"pivot", 4, 80},   {"frame", 4, 80},   {"design", 9, 10},
              {"patch", 2, 10},   {"selfmotion", 1, 1},  {"write", 0, 10},   {"reload", 0, 1},   {"named", 1, 10},
-             {"columns", 2, 10}, {"parameters", 2, 10}, {"map", 7, 1},      {"singular", 0, 2}, {"fly", 1, 5}};
+             {"columns", 2, 10}, {"parameters", 2, 10}, {"map", 7, 1},      {"mapping", 8, 1},  {"mapped", 0, 2},
+             {"stop", 0, 2},     {"boundary", 0, 2},    {"singular", 0, 2}, {"fly", 1, 5}};
 enum { VERBS = (int)(sizeof verbs / sizeof *verbs) };
 
 static int pick_verb(void) {

@@ -262,7 +262,45 @@ async function map() {
     await page.keyboard.press("ArrowRight");
     await until(page, (q) => kview.store.pose.q[0] > q, before.q[0]);
     if (pictures) await page.screenshot({ path: join(pictures, "kview.map.png") });
+    await workspace(page, picture, click, pose);
   });
+}
+
+const idle = (page) => until(page, () => !document.querySelector('button[aria-label="Stop finding the map"]'));
+
+/** Over a point: a click goes to a configuration with the point there, the outline is drawn; a map that is stopped leaves the page usable. */
+async function workspace(page, picture, click, pose) {
+  await idle(page);
+  await page.getByLabel("Point whose workspace is found").selectOption({ label: "rod1/P" });
+  await page.getByRole("button", { name: "over the point" }).waitFor();
+  await idle(page);
+  const says = await page.locator("canvas.map + .hint").textContent();
+  check(/area 3\.5596\d* m², 2 holes/.test(says), `the workspace is told as ${says}`);
+  const before = await pose();
+  await picture.scrollIntoViewIfNeeded();
+  const box = await picture.boundingBox();
+  const place = () => page.evaluate(() => {
+    const { model, pose } = kview.store, f = model.frames.find((frame) => frame.name === "P"), b = 12 * f.body;
+    return [0, 1].map((i) => [0, 1, 2].reduce((s, k) => s + pose.bodies[b + 3 * i + k] * f.T[k], pose.bodies[b + 9 + i]));
+  });
+  const at = await place();
+  const side = 1.04 * 2 * Math.SQRT2; // of the picture: the lens of both circles of 1.5 m is so high; its middle is between the pins
+  const target = [at[0] - 0.3, at[1] - 0.2];
+  await page.mouse.click(box.x + (0.5 + (target[0] - 0.5) / side) * box.width, box.y + (0.5 - target[1] / side) * box.height);
+  await until(page, (q) => kview.store.pose.q.some((v, i) => Math.abs(v - q[i]) > 1e-3), before.q);
+  await page.waitForTimeout(100);
+  const there = await place();
+  check(Math.hypot(there[0] - target[0], there[1] - target[1]) < 0.15, `a click at ${target} leads to ${there}`);
+  check((await pose()).residual <= 1e-9, "the loops are open after a click into the workspace");
+  if (pictures) await page.screenshot({ path: join(pictures, "kview.workspace.png") });
+  await page.getByRole("button", { name: "Find the configurations over both drivers" }).click();
+  await page.getByRole("button", { name: "Stop finding the map" }).click();
+  await idle(page);
+  check(await picture.isVisible(), "no map is shown after one was stopped");
+  const last = await pose();
+  await picture.focus();
+  await page.keyboard.press("ArrowLeft");
+  await until(page, (q) => kview.store.pose.q.some((v, i) => Math.abs(v - q[i]) > 1e-3), last.q);
 }
 
 /** A file that changes is read again; one that is wrong is told with its place. */

@@ -276,6 +276,72 @@ static void a_map_has_closed_configurations(void **unused) {
   kv_session_close(&s);
 }
 
+/* Waits for the map that is being computed; other messages are answered meanwhile. */
+static kv_answer mapped(kv_session *s) {
+  double before = 0.0;
+  for (;;) {
+    kv_answer answer = tell(s, "50 mapped");
+    if (answer.binary)
+      return answer;
+    const char *done = strstr(answer.bytes.data, "\"done\":");
+    assert_non_null(done);
+    double share = atof(done + 7);
+    assert_true(share >= before && share < 1.0);
+    before = share;
+    km_text_free(&answer.bytes);
+    expect(s, "51 pose", "pose");
+  }
+}
+
+/* The outline of the workspace of a five-bar's point lies on circles around both pins: 0.9 + 0.6 and 0.9 - 0.6. */
+static void a_map_is_computed_while_the_page_goes_on(void **unused) {
+  (void)unused;
+  kv_session s = open_session("five_bar");
+  uint32_t rows, columns, count;
+  int frame = -1;
+  for (int f = 0; f < km_model_frame_count(s.model); ++f)
+    frame = strcmp(km_model_frame_name(s.model, f), "P") == 0 ? f : frame;
+  expect(&s, "1 mapped", "error");
+  expect(&s, "2 stop", "error");
+  expect(&s, "3 boundary", "error");
+  expect(&s, "4 mapping 0 4 -2 2 -2 2 20 9999", "error");
+  expect(&s, "5 mapping 0 4 -2 2 -2 2 20", "mapping");
+  kv_answer answer = mapped(&s), waited = tell(&s, "6 map 0 4 -2 2 -2 2 20");
+  const double *cells = table_numbers(&answer, &rows, &columns);
+  assert_memory_equal(cells, table_numbers(&waited, &count, &columns), rows * columns * sizeof *cells);
+  assert_int_equal(rows, count);
+  km_text_free(&answer.bytes);
+  km_text_free(&waited.bytes);
+  expect(&s, "7 boundary", "error");
+  char text[80];
+  snprintf(text, sizeof text, "8 mapping 0 4 -3.14159 3.14159 -3.14159 3.14159 30 %d", frame);
+  expect(&s, text, "mapping");
+  answer = mapped(&s);
+  km_text_free(&answer.bytes);
+  answer = tell(&s, "9 boundary");
+  const double *outline = table_numbers(&answer, &rows, &columns);
+  assert_true(rows > 100);
+  for (uint32_t r = 0; r < rows; ++r) {
+    const double *p = outline + r * columns + 3; /* loop kind curve x y z */
+    double from_pins[] = {hypot(p[0], p[1]), hypot(p[0] - 1.0, p[1])}, least = HUGE_VAL;
+    for (int k = 0; k < 2; ++k)
+      least = fmin(least, fmin(fabs(from_pins[k] - 1.5), fabs(from_pins[k] - 0.3)));
+    assert_true(least <= 1e-8); /* the corners are crossings of curves that are exact to 1e-11 */
+  }
+  km_text_free(&answer.bytes);
+  /* A map that is stopped, or whose mechanism changes, leaves the last one, or nothing, and the page goes on. */
+  expect(&s, "10 mapping 0 4 -2 2 -2 2 200", "mapping");
+  answer = tell(&s, "11 stop");
+  km_text_free(&answer.bytes);
+  expect(&s, "12 mapped", "error");
+  expect(&s, "13 mapping 0 4 -2 2 -2 2 200", "mapping");
+  expect(&s, "14 hold 0 1", "model");
+  expect(&s, "15 mapped", "error");
+  expect(&s, "16 hold 0 0", "model");
+  expect(&s, "17 mapping 0 4 -2 2 -2 2 200", "mapping");
+  kv_session_close(&s); /* a page that is closed leaves no thread behind */
+}
+
 static void undo_comes_back(void **unused) {
   (void)unused;
   kv_session s = open_session("fourbar");
@@ -638,6 +704,7 @@ int main(void) {
       cmocka_unit_test(undo_comes_back_to_what_is_held),
       cmocka_unit_test(a_selfmotion_holds_the_effector),
       cmocka_unit_test(a_map_has_closed_configurations),
+      cmocka_unit_test(a_map_is_computed_while_the_page_goes_on),
       cmocka_unit_test(a_design_is_saved),
       cmocka_unit_test(columns_move_the_effector),
       cmocka_unit_test(designs_are_kept),

@@ -12,6 +12,7 @@ enum { MOST_LENGTHS = 100 };
 static km_status copy_over(kv_session *s, const double *q, km_error *error) {
   int n = km_model_coordinate_count(s->model);
   km_status status = KM_OK;
+  kv_map_stop(s);
   for (int c = 0; c < n && !status; ++c)
     status = km_model_set_position(s->model, c, q[c], error);
   if (status)
@@ -49,6 +50,8 @@ static km_status check_places(const kv_session *s, const double *T, km_error *er
 
 static km_status set_frames(kv_session *s, const double *T, km_error *error) {
   km_status status = check_places(s, T, error);
+  if (!status)
+    kv_map_stop(s);
   for (int f = 0; f < km_model_frame_count(s->model) && !status; ++f)
     status = km_model_set_frame(s->model, f, T + 3 * f, NULL, error);
   return status;

@@ -48,7 +48,7 @@ int kv_question_kind(const kv_session *session, int index);
 /* Explanations of the motion (explanations.c). */
 kv_verb kv_motions, kv_diagnose, kv_forces, kv_lever;
 /* map_messages.c: maps over two drivers. */
-kv_verb kv_map, kv_singular;
+kv_verb kv_map, kv_mapping, kv_mapped, kv_stop, kv_singular, kv_boundary;
 /* modes.c: poses that are found or named. */
 kv_verb kv_modes, kv_mode, kv_named;
 /* selfmotion.c, arm_columns.c: arms with joints to spare. */

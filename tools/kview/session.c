@@ -69,8 +69,9 @@ static void forget_question(kv_session *s) {
 static void adopt(kv_session *s, compiled *c) {
   compiled old = {s->mechanism, s->state, s->probe, s->hand};
   forget_question(s);
-  km_table_free(s->singular);
-  s->singular = NULL;
+  kv_map_stop(s);
+  km_space_map_free(&s->map);
+  s->map = (km_space_map){0};
   s->mechanism = c->mechanism;
   s->state = c->state;
   s->probe = c->probe;

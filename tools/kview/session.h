@@ -2,6 +2,7 @@
 #ifndef KVIEW_SESSION_H
 #define KVIEW_SESSION_H
 
+#include "kview/map_job.h"
 #include "kview/server/encode.h"
 
 #include "kmech/base.h"
@@ -76,7 +77,8 @@ typedef struct kv_session {
   km_question *question; /* answer of `asked`; NULL: not yet computed */
   double *modes;         /* assembly modes found last: [mode_count × coordinates] */
   int mode_count;
-  km_table *singular;    /* singularity curves of the last map; NULL: there is none */
+  km_space_map map;      /* the last map; its tables are NULL where there is none */
+  kv_map_job *job;       /* a map that is being computed; NULL: none */
   km_messages *messages; /* messages of the reader */
 } kv_session;
 
@@ -107,6 +109,9 @@ km_status kv_session_probe(kv_session *session, km_error *error);
 /* Adds the present configuration and design to the undo list; and moves a step back (−1) or forward (+1). */
 km_status kv_session_mark(kv_session *session, km_error *error);
 km_status kv_session_step(kv_session *session, int direction, km_error *error);
+
+/* map_messages.c: ends a map that is being computed, before the mechanism changes. */
+void kv_map_stop(kv_session *session);
 
 /* Moves the frames of a joint on both its bodies so that its place in the present pose is at `point` (inertial frame):
  * the pose stays, the links change. */

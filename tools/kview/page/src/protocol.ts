@@ -55,10 +55,12 @@ export interface Modes { kind: "modes"; request: number; count: number; isolated
 export interface SelfMotion { kind: "selfmotion"; request: number; whole: boolean; coordinates: number[]; u: number[]; arc: number[]; q: number[][] }
 /** Rates of an arm's joints: the path-control column, then the pose-control columns. */
 export interface Columns { kind: "columns"; request: number; entry: number; coordinates: number[]; columns: number[][] }
+/** How far a map is that is being found. */
+export interface Mapping { kind: "mapping"; request: number; done: number }
 export interface File { kind: "file"; request: number; text: string }
 export interface Failure { kind: "error"; request: number; text: string }
 export type Answer =
-  | Model | Pose | Table | Patch | Track | Motions | Diagnosis | Forces | Lever | Modes | SelfMotion | Columns | File | Failure;
+  | Model | Pose | Table | Patch | Track | Motions | Diagnosis | Forces | Lever | Modes | SelfMotion | Columns | Mapping | File | Failure;
 
 function pose(data: DataView): Pose {
   const n = data.getUint32(8, true), bodies = data.getUint32(12, true), flags = data.getUint32(24, true);
