@@ -27,7 +27,8 @@ typedef struct kspace_files {
   kt_formats formats;
   char name[256]; /* BASE where --format states files without -o: the model's name */
 } kspace_files;
-/* Reads --format of a command that writes some of `among`; unless stated: csv, and svg if it is among them. False and a message: invalid. */
+/* Reads --format of a command that writes some of `among`; unless stated: csv, and svg if it is among them. False and a
+ * message: invalid. */
 bool kspace_read_formats(const kt_common *common, const char *format, const char *among, const char *model,
                          kspace_files *files);
 /* Writes the files of `base`, unless it is NULL, in the formats, and prints the text, or the record if it is requested
