@@ -13,7 +13,7 @@
 #include "kmech/continuation.h"
 #include "model/coordinate_column.h"
 #include "space/driver_circuit.h"
-#include "space/surface_curves.h"
+#include "space/curves/surface_curves.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 #define KM_SPACE_MAP_SEARCH_H
 
 #include "base/memory.h"
-#include "space/surface_curves.h"
+#include "space/curves/surface_curves.h"
 
 /* A configuration that a sheet has at a grid point. */
 typedef struct km_known_configuration {

@@ -215,6 +215,7 @@ static bool allocate(km_workspace_search *w) {
   w->b = KM_ARENA_NEW(a, double, n);
   w->x = KM_ARENA_NEW(a, double, n);
   w->N = KM_ARENA_NEW(a, double, 2 * n);
+  w->chord = KM_ARENA_NEW(a, double, 4 * n);
   w->row = KM_ARENA_NEW(a, int, n);
   return !a->failed;
 }

@@ -25,6 +25,7 @@ typedef struct km_workspace_search {
   km_curve_net net;
   km_curve_point sample;          /* workspace: a configuration of a piece */
   int *jump;                      /* [piece] workspace */
+  double *chord;                  /* [columns × 4] workspace: an interpolant */
   double *M, *K, *nu, *b, *x, *N; /* [columns²] the first two, [columns], [2 · columns] N: workspace */
   int *row;                       /* [columns] workspace */
   bool is_end_reached;            /* grid points are near the end of a sphere's chart */

@@ -109,21 +109,19 @@ static int find_aspect(km_workspace_search *w, const km_curve_point *p, int side
   return 0;
 }
 
-/* Fills w->sample with the configuration at a part of a piece, between two of its points: the Hermite interpolant,
- * whose error is of fourth order in their distance. */
+/* Fills w->sample with the configuration at a part of a piece, between two of its points. */
 static void sample_piece(km_workspace_search *w, const km_outline_piece *piece, double part) {
   km_driver_surface *f = &w->g->f;
   double at = part * (double)(piece->count - 1), u = at - floor(at), rate;
   size_t i = piece->first + (size_t)at;
   const km_curve_point *p = &w->points[w->source[i]], *next = &w->points[w->source[i + 1]];
-  double length = w->places[i].length, *tangent = w->sample.tangent;
+  double *tangent = w->sample.tangent;
   km_driver_surface_restore(f, next->saved);
   km_driver_surface_difference(f, p->saved, w->x);
+  km_curve_interpolate(f->columns, p, next, w->x, w->places[i].length, w->chord);
   for (int k = 0; k < f->columns; ++k) {
-    double c[4];
-    km_cubic_hermite(0.0, length * p->tangent[k], w->x[k], length * next->tangent[k], c);
-    f->step[k] = km_cubic(c, u);
-    tangent[k] = km_cubic_rate(c, u);
+    f->step[k] = km_cubic(w->chord + 4 * k, u);
+    tangent[k] = km_cubic_rate(w->chord + 4 * k, u);
   }
   rate = km_norm(tangent, f->columns);
   for (int k = 0; k < f->columns; ++k)

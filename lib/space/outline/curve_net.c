@@ -65,14 +65,14 @@ static void extend(const double *c, double *low, double *high) {
 
 static void fill_segment(const km_outline_point *p, int piece, km_outline_segment *s) {
   double h = p[0].length;
-  km_cubic_hermite(p[0].place[0], h * p[0].rate[0], p[1].place[0], h * p[1].rate[0], s->x);
-  km_cubic_hermite(p[0].place[1], h * p[0].rate[1], p[1].place[1], h * p[1].rate[1], s->y);
-  extend(s->x, &s->low[0], &s->high[0]);
-  extend(s->y, &s->low[1], &s->high[1]);
+  km_cubic_hermite(p[0].place[0], h * p[0].rate[0], p[1].place[0], h * p[1].rate[0], s->c[0]);
+  km_cubic_hermite(p[0].place[1], h * p[0].rate[1], p[1].place[1], h * p[1].rate[1], s->c[1]);
+  extend(s->c[0], &s->low[0], &s->high[0]);
+  extend(s->c[1], &s->low[1], &s->high[1]);
   s->end_y = p[1].place[1];
   s->low[1] = fmin(s->low[1], s->end_y);
   s->high[1] = fmax(s->high[1], s->end_y);
-  find_turns(s->y, s->turn);
+  find_turns(s->c[1], s->turn);
   s->piece = piece;
 }
 
@@ -92,9 +92,9 @@ static bool find_crossing(const segment_part *a, const segment_part *b, double *
   *u = 0.5 * (a->from + a->to);
   *v = 0.5 * (b->from + b->to);
   for (int i = 0; i < MOST_NEWTON; ++i) {
-    double ax = km_cubic_rate(p->x, *u), ay = km_cubic_rate(p->y, *u), bx = km_cubic_rate(q->x, *v),
-           by = km_cubic_rate(q->y, *v);
-    double dx = km_cubic(q->x, *v) - km_cubic(p->x, *u), dy = km_cubic(q->y, *v) - km_cubic(p->y, *u);
+    double ax = km_cubic_rate(p->c[0], *u), ay = km_cubic_rate(p->c[1], *u), bx = km_cubic_rate(q->c[0], *v),
+           by = km_cubic_rate(q->c[1], *v);
+    double dx = km_cubic(q->c[0], *v) - km_cubic(p->c[0], *u), dy = km_cubic(q->c[1], *v) - km_cubic(p->c[1], *u);
     double determinant = ax * by - ay * bx;
     if (!(fabs(determinant) > parallel * hypot(ax, ay) * hypot(bx, by)))
       return false;
@@ -151,10 +151,10 @@ static bool is_within(const segment_part *part, double u) {
 /* Adds the cuts where two parts of segments cross; parts that may cross more than once are halved. */
 static void cut_parts(const km_curve_net *net, segment_part a, segment_part b, int halvings, cut_list *list) {
   double x[2][4], y[2][4], dx[2][3], dy[2][3], u, v;
-  bernstein(a.segment->x, a.from, a.to, x[0], dx[0]);
-  bernstein(a.segment->y, a.from, a.to, y[0], dy[0]);
-  bernstein(b.segment->x, b.from, b.to, x[1], dx[1]);
-  bernstein(b.segment->y, b.from, b.to, y[1], dy[1]);
+  bernstein(a.segment->c[0], a.from, a.to, x[0], dx[0]);
+  bernstein(a.segment->c[1], a.from, a.to, y[0], dy[0]);
+  bernstein(b.segment->c[0], b.from, b.to, x[1], dx[1]);
+  bernstein(b.segment->c[1], b.from, b.to, y[1], dy[1]);
   if (!boxes_meet(x, beyond_end * net->size) || !boxes_meet(y, beyond_end * net->size))
     return;
   bool is_found = cross_once(dx, dy) && find_crossing(&a, &b, &u, &v) && is_within(&a, u) && is_within(&b, v);
@@ -175,17 +175,7 @@ double km_segment_distance(const km_outline_segment *s, const double *place, dou
   for (int i = 0; i < 2; ++i)
     if (place[i] < s->low[i] - within || place[i] > s->high[i] + within)
       return HUGE_VAL;
-  for (int i = 0; i < MOST_NEWTON; ++i) {
-    double x = km_cubic(s->x, *u), y = km_cubic(s->y, *u), dx = km_cubic_rate(s->x, *u), dy = km_cubic_rate(s->y, *u);
-    double along = ((place[0] - x) * dx + (place[1] - y) * dy) / (dx * dx + dy * dy);
-    if (fabs(along) < beyond_end) {
-      bool is_beside = fabs(*u - 0.5) <= 0.5 + beyond_end;
-      *u = within_unit(*u);
-      return is_beside ? hypot(place[0] - x, place[1] - y) : HUGE_VAL;
-    }
-    *u = fmin(fmax(*u + along, -0.5), 1.5);
-  }
-  return HUGE_VAL;
+  return km_cubic_distance(s->c[0], 2, place, u);
 }
 
 /* A segment by its least x. */
@@ -304,15 +294,15 @@ void km_curve_net_place(const km_curve_net *net, int piece, double at, double *p
   int first = net->first_segment[piece], last = net->first_segment[piece + 1] - 1 - first;
   int i = at < last ? (int)at : last;
   const km_outline_segment *s = &net->segments[first + i];
-  place[0] = km_cubic(s->x, at - i);
-  place[1] = km_cubic(s->y, at - i);
-  rate[0] = km_cubic_rate(s->x, at - i);
-  rate[1] = km_cubic_rate(s->y, at - i);
+  place[0] = km_cubic(s->c[0], at - i);
+  place[1] = km_cubic(s->c[1], at - i);
+  rate[0] = km_cubic_rate(s->c[0], at - i);
+  rate[1] = km_cubic_rate(s->c[1], at - i);
 }
 
 /* y at u; at the end that of the next segment's start, so that a ray meets one of them. */
 static double y_at(const km_outline_segment *s, double u) {
-  return u < 1.0 ? km_cubic(s->y, u) : s->end_y;
+  return u < 1.0 ? km_cubic(s->c[1], u) : s->end_y;
 }
 
 /* x at the root of y(u) = y within from … to, where y(u) − y changes its sign. */
@@ -327,7 +317,7 @@ static double place_of_root(const km_outline_segment *s, double y, double from, 
     else
       to = u;
   }
-  return km_cubic(s->x, 0.5 * (from + to));
+  return km_cubic(s->c[0], 0.5 * (from + to));
 }
 
 /* Crossings of the ray from a place with a segment, upwards less downwards. */

@@ -19,8 +19,8 @@ typedef struct plane_square {
 /* Place of a segment at chord point k, 0 to CHORDS. */
 static void chord_point(const km_outline_segment *s, int k, double *place) {
   double u = (double)k / CHORDS;
-  place[0] = km_cubic(s->x, u);
-  place[1] = km_cubic(s->y, u);
+  place[0] = km_cubic(s->c[0], u);
+  place[1] = km_cubic(s->c[1], u);
 }
 
 static double square(double x) {

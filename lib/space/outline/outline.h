@@ -28,7 +28,7 @@ typedef struct km_outline_piece {
 } km_outline_piece;
 
 typedef struct km_outline_segment {
-  double x[4], y[4]; /* coefficients of u^0 to u^3 */
+  double c[2][4]; /* coefficients of u^0 to u^3, of x and y */
   double low[2], high[2];
   double turn[2]; /* parameters with y' = 0, ascending; above 1: none */
   double end_y;   /* y(1) without rounding */

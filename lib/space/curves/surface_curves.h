@@ -39,6 +39,10 @@ bool km_surface_curves_add(km_surface_curves *curves, const km_surface_curve *of
  * False for another kind of curve. *is_point: there is a point i. */
 bool km_surface_curves_leave(km_surface_curves *curves, size_t i, double distance, bool *is_point);
 int km_surface_curves_count(const km_surface_curves *curves);
+/* Coefficients c[columns × 4] of the Hermite interpolant between two points of a curve, as the step from the first one;
+ * step[columns] and `length` are those to the second one. Its error is of fourth order in the length. */
+void km_curve_interpolate(int columns, const km_curve_point *p, const km_curve_point *next, const double *step,
+                          double length, double *c);
 /* The points of all curves, row by row of the table. Borrowed. */
 const km_curve_point *km_surface_curves_points(const km_surface_curves *curves, size_t *count);
 
