@@ -7,7 +7,9 @@
 #include "model/model.h"
 #include "spatial/rotation.h"
 
-enum { TRIALS = 4, MOST_SHEETS = 8 };
+#include <stdlib.h>
+
+enum { TRIALS = 4, MOST_SHEETS = 8, MOST_ASPECTS = 40 };
 
 static km_space_map_def map_definition(const fixture *f, double range, int steps) {
   return (km_space_map_def){
@@ -263,11 +265,13 @@ static fixture build(const five_bar *b, int kind, const km_rotation *R, double l
   km_text text = {0};
   bool is_parallel = kind == PARALLEL;
   double x = b->crank[0][0], y = b->crank[0][1];
+  km_vec3 P = km_vec3_add(km_vec3_scale(b->P[0], R->axis[0]), km_vec3_scale(b->P[1], R->axis[1]));
   km_text_format(
       &text,
       "{\"assemblies\": [{\"name\": \"a\", \"drawn\": \"assembled\", \"bodies\": [{\"name\": \"b1\"}, {\"name\": "
-      "\"b2\"}, {\"name\": \"b3\"}, {\"name\": \"b4\"}%s], \"joints\": [",
-      is_parallel ? ", {\"name\": \"bar\"}, {\"name\": \"p\"}, {\"name\": \"q\"}" : "");
+      "\"b2\", \"frames\": [{\"name\": \"P\", \"T\": [%.17g, %.17g, %.17g]}]}, {\"name\": \"b3\"}, {\"name\": "
+      "\"b4\"}%s], \"joints\": [",
+      P.x, P.y, P.z, is_parallel ? ", {\"name\": \"bar\"}, {\"name\": \"p\"}, {\"name\": \"q\"}" : "");
   size_t start = text.size;
   add_joint(&text, R, "A", "revolute", "\"fixed\", \"b1\"", 0.0, 0.0, 0.0);
   add_joint(&text, R, "B", kind == CARDAN ? "spherical" : "revolute",
@@ -346,6 +350,48 @@ static void balls_and_parallel_cranks_change_no_sheet(void **state) {
       fixture_close(&f);
     }
     km_space_map_free(&expected);
+    fixture_close(&plain);
+  }
+}
+
+static int ascending(const void *a, const void *b) {
+  double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+/* Areas of the aspects, ascending. */
+static int aspect_areas(const km_space_map *map, double areas[MOST_ASPECTS]) {
+  assert_in_range(map->workspace_count, 1, MOST_ASPECTS);
+  for (int i = 0; i < map->workspace_count; ++i)
+    areas[i] = map->workspaces[i].area;
+  qsort(areas, (size_t)map->workspace_count, sizeof *areas, ascending);
+  return map->workspace_count;
+}
+
+/* The mechanisms have the workspace and the aspects of the plain five-bar; over full turns, at which parallel cranks
+ * would become others, also where a rod points against its first direction. */
+static void balls_and_parallel_cranks_change_no_aspect(void **state) {
+  (void)state;
+  uint64_t random = 12;
+  const km_rotation upright = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  km_rotation oblique = {{{0.6, 0.0, 0.8}, {0.48, 0.8, -0.36}, {-0.64, 0.6, 0.48}}};
+  for (int trial = 0; trial < TRIALS; ++trial) {
+    five_bar b = random_five_bar(&random);
+    fixture plain = build(&b, PLAIN, &upright, 0.0);
+    for (int kind = BALL + trial % 2; kind < KINDS; kind += 2) {
+      double range = kind == PARALLEL ? 1.1 : M_PI, expected[MOST_ASPECTS], areas[MOST_ASPECTS];
+      fixture f = build(&b, kind, trial % 2 ? &oblique : &upright, 0.0);
+      km_space_map map = map_of_point(&f, "b2", range, 24), of_plain = map_of_point(&plain, "b2", range, 24);
+      int count = aspect_areas(&of_plain, expected);
+      assert_near(map.surface.radius, 0.0, 0.0);
+      assert_near(map.workspace_area, of_plain.workspace_area, 1e-7);
+      assert_int_equal(aspect_areas(&map, areas), count);
+      for (int i = 0; i < count; ++i)
+        assert_near(areas[i], expected[i], 1e-7);
+      km_space_map_free(&map);
+      km_space_map_free(&of_plain);
+      fixture_close(&f);
+    }
     fixture_close(&plain);
   }
 }
@@ -483,6 +529,7 @@ int main(void) {
                                      cmocka_unit_test(the_wrist_reaches_what_both_chains_allow),
                                      cmocka_unit_test(a_head_reaches_a_zone),
                                      cmocka_unit_test(balls_and_parallel_cranks_change_no_sheet),
+                                     cmocka_unit_test(balls_and_parallel_cranks_change_no_aspect),
                                      cmocka_unit_test(largest_angles_bound_the_sheets),
                                      cmocka_unit_test(paths_keep_the_rods_from_their_line),
                                      cmocka_unit_test(lines_of_the_rods_meet_on_the_curves)};

@@ -2,6 +2,7 @@
 #include "space/surface/rod_spin.h"
 
 #include "kinematics/body_poses.h"
+#include "model/joint_type.h"
 
 static int body_at(const km_model *model, int joint, int end) {
   return model->frames[model->joints[joint].frame[end]].body;
@@ -20,9 +21,28 @@ static km_vec3 find_axis(const km_rod_spin *r, const km_mechanism *m, const km_s
   return km_vec3_scale(1.0 / km_vec3_norm(along), along);
 }
 
+/* c in the inertial frame, for a rod along d. */
+static km_vec3 find_pole(const km_rod_spin *r, const km_mechanism *m, const km_state *s, km_vec3 d) {
+  const km_model *model = m->model;
+  int other = body_at(model, r->joint[0], r->sense[0] > 0.0 ? 0 : 1);
+  for (int j = 0; j < model->joint_count; ++j) {
+    int axis = km_joint_axis(model->joints[j].type);
+    if (axis < 0 || (body_at(model, j, 0) != other && body_at(model, j, 1) != other))
+      continue;
+    km_vec3 hinge = km_joint_pose(m, s, j).R.axis[axis];
+    return km_vec3_scale(km_vec3_dot(hinge, d) < 0.0 ? -1.0 : 1.0, hinge);
+  }
+  return d;
+}
+
 static km_vec3 in_parent_frame(const km_mechanism *m, const km_state *s, int joint, km_vec3 v) {
   km_pose X = km_joint_pose(m, s, joint);
   return (km_vec3){km_vec3_dot(X.R.axis[0], v), km_vec3_dot(X.R.axis[1], v), km_vec3_dot(X.R.axis[2], v)};
+}
+
+/* An axis of the body, turned by the least angle that takes c to d. */
+static km_vec3 turned(const km_rod_spin *r, km_vec3 axis, km_vec3 d) {
+  return km_vec3_axpy(-km_vec3_dot(axis, d) / (1.0 + km_vec3_dot(r->c, d)), km_vec3_add(r->c, d), axis);
 }
 
 bool km_rod_spin_create(const km_mechanism *m, const km_state *s, const km_passive_freedom *freedom, km_rod_spin *r) {
@@ -43,26 +63,30 @@ bool km_rod_spin_create(const km_mechanism *m, const km_state *s, const km_passi
   r->coordinate = model->joints[r->joint[0]].first_coordinate;
   r->ball = m->ball_of[r->coordinate];
   r->inverse = km_quaternion_conjugate(s->ball[r->ball]);
-  r->axis = in_parent_frame(m, s, r->joint[0], find_axis(r, m, s));
-  return isfinite(km_vec3_norm(r->axis));
+  km_vec3 axis = find_axis(r, m, s);
+  r->d = in_parent_frame(m, s, r->joint[0], axis);
+  r->c = in_parent_frame(m, s, r->joint[0], find_pole(r, m, s, axis));
+  r->a = km_vec3_perpendicular(r->c);
+  r->b = km_vec3_cross(r->c, r->a);
+  r->m = turned(r, r->a, r->d);
+  return isfinite(km_vec3_norm(r->d));
 }
 
 double km_rod_spin_angle(const km_rod_spin *r, const km_state *s, km_vec3 *gradient) {
-  km_quaternion P = km_quaternion_product(s->ball[r->ball], r->inverse);
-  if (P.w < 0.0)
-    P = (km_quaternion){-P.w, -P.x, -P.y, -P.z};
-  km_vec3 v = {P.x, P.y, P.z}, d = r->axis;
-  double along = km_vec3_dot(v, d), square = P.w * P.w + along * along;
-  *gradient = km_vec3_add(km_vec3_scale(P.w * P.w, d), km_vec3_scale(P.w, km_vec3_cross(v, d)));
-  *gradient = km_vec3_scale(1.0 / square, km_vec3_axpy(along, v, *gradient));
-  return 2.0 * atan2(along, P.w);
+  km_rotation P = km_quaternion_rotation(km_quaternion_product(s->ball[r->ball], r->inverse));
+  bool is_second = r->sense[0] > 0.0; /* else P turns the other body */
+  km_vec3 d = is_second ? km_rotate(&P, r->d) : km_rotate_back(&P, r->d);
+  km_vec3 m = is_second ? km_rotate(&P, r->m) : km_rotate_back(&P, r->m);
+  km_vec3 g = km_vec3_scale(1.0 / (1.0 + km_vec3_dot(r->c, d)), km_vec3_add(r->c, d));
+  *gradient = is_second ? g : km_vec3_scale(-1.0, km_rotate(&P, g));
+  return atan2(km_vec3_dot(m, turned(r, r->b, d)), km_vec3_dot(m, turned(r, r->a, d)));
 }
 
 void km_rod_spin_reset(const km_rod_spin *r, const km_mechanism *m, km_state *s) {
   km_vec3 gradient;
   km_poses_compute(m, s);
   km_vec3 axis = find_axis(r, m, s);
-  double angle = -r->sense[0] * km_rod_spin_angle(r, s, &gradient);
+  double angle = -km_rod_spin_angle(r, s, &gradient);
   for (int end = 0; end < 2; ++end) {
     int ball = m->ball_of[m->model->joints[r->joint[end]].first_coordinate];
     km_vec3 turn = in_parent_frame(m, s, r->joint[end], km_vec3_scale(r->sense[end] * angle, axis));

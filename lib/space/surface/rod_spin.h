@@ -1,11 +1,14 @@
 /* Rods between two ball joints, held from spinning about their axes (docs/theory.md 4.19).
  *
- *   P = Q Q₀*,  Q: quaternion of the ball joint at one end, Q₀ where it began;   (w; v) = P
- *   τ = 2 atan2(v·d, w)                                  turn of P about d, the rod's axis where it began
- *   g = (w² d + w v × d + (v·d) v) / (w² + (v·d)²)       dτ = g·ω,   ω the angular velocity in the parent frame
+ *   d, m: the rod's axis, and a direction across it, fixed in the rod;   c, a, b: axes of the body at one end, c = a × b
+ *   t_a = a − (a·d) / (1 + c·d) (c + d):   a, turned by the least angle that takes c to d; t_b the same
+ *   τ   = atan2(m·t_b, m·t_a)
+ *   dτ  = g·ω,   g = (c + d) / (1 + c·d),   ω of the rod, all in that body
  *
- * A spin by α changes τ by ±α and no closure error. So τ = 0 is a further condition that excludes no place of another
- * body; it is singular only where the rod points against its first direction. */
+ * A spin by α changes τ by α and no closure error. So τ = 0 is a further condition that excludes no place of another
+ * body; it is singular only where the rod points against c, and every such condition is so somewhere. c: the axis of
+ * the body's first hinge in the sense in which the rod begins, so that rods in a plane stay across it; without a hinge,
+ * the rod's first direction. */
 #ifndef KM_SPACE_ROD_SPIN_H
 #define KM_SPACE_ROD_SPIN_H
 
@@ -16,8 +19,9 @@ typedef struct km_rod_spin {
   int body, joint[2];    /* the rod, or one of the bodies that spin together; ball joints at its ends */
   int ball, coordinate;  /* joint[0] has these */
   double sense[2];       /* 1: the rod is that joint's second body */
-  km_quaternion inverse; /* Q₀* */
-  km_vec3 axis;          /* d, in the joint's parent frame */
+  km_quaternion inverse; /* Q₀*, Q the ball joint's quaternion */
+  km_vec3 a, b, c;       /* in the joint's parent frame where it began */
+  km_vec3 d, m;
 } km_rod_spin;
 
 /* Describes a passive freedom at the state's configuration, with its poses. False if it isn't the spin of a rod. */
