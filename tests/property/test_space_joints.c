@@ -379,7 +379,7 @@ static void balls_and_parallel_cranks_change_no_aspect(void **state) {
     five_bar b = random_five_bar(&random);
     double range = kind == PARALLEL ? 1.1 : M_PI, expected[MOST_ASPECTS], areas[MOST_ASPECTS];
     fixture plain = build(&b, PLAIN, &upright, 0.0), f = build(&b, kind, kind % 2 ? &upright : &oblique, 0.0);
-    km_space_map map = map_of_point(&f, "b2", range, 40), of_plain = map_of_point(&plain, "b2", range, 40);
+    km_space_map map = map_of_point(&f, "b2", range, 24), of_plain = map_of_point(&plain, "b2", range, 24);
     int count = aspect_areas(&of_plain, expected);
     assert_near(map.surface.radius, 0.0, 0.0);
     assert_near(map.workspace_area, of_plain.workspace_area, 1e-7);
