@@ -1,6 +1,6 @@
 /* Rods between two ball joints, held from spinning about their axes (docs/theory.md 4.19).
  *
- *   d, m: the rod's axis, and a direction across it, fixed in the rod;   c, a, b: axes of the body at one end, c = a × b
+ *   d, m: the rod's axis and a direction across it, fixed in the rod;   c, a, b: axes of the body at one end, c = a × b
  *   t_a = a − (a·d) / (1 + c·d) (c + d):   a, turned by the least angle that takes c to d; t_b the same
  *   τ   = atan2(m·t_b, m·t_a)
  *   dτ  = g·ω,   g = (c + d) / (1 + c·d),   ω of the rod, all in that body
