@@ -22,6 +22,8 @@ enum {
   FIRST = 3 /* columns of a map before those of the cells */
 };
 
+static const double axis_rounding = 1e-12; /* rounding error of an axis' values, part of its range */
+
 enum { MODES_JOINTS, MODES_LIMITS, MODES_OPTIONS };
 
 static const km_option modes_options[MODES_OPTIONS] = {
@@ -221,6 +223,19 @@ static double axis_value(const km_space_axis *axis, int i) {
   return axis->from + (axis->to - axis->from) * i / axis->steps;
 }
 
+/* True at a grid point where a driver itself is beyond its limits, which leave it out. */
+static bool is_beyond_limits(const km_model *model, const km_space_map_def *def, int point) {
+  const int at[2] = {point % (def->axis[0].steps + 1), point / (def->axis[0].steps + 1)};
+  bool is_beyond = false;
+  for (int d = 0; d < 2 && def->within_limits; ++d) {
+    const km_space_axis *axis = &def->axis[d];
+    double low, high, value = axis_value(axis, at[d]), rounding = axis_rounding * fabs(axis->to - axis->from);
+    km_model_coordinate_limits(model, axis->coordinate, &low, &high);
+    is_beyond = is_beyond || value < low - rounding || value > high + rounding;
+  }
+  return is_beyond;
+}
+
 /* Fills rows[grid point] with the row of the cells there; -1: the sheet doesn't come. */
 static void index_cells(const km_space_map_def *def, const km_table *cells, int points, int *rows) {
   for (int p = 0; p < points; ++p)
@@ -264,7 +279,8 @@ static bool add_map_row(const km_space_map_def *def, const km_table *cells, int 
 }
 
 /* cells: those that limits and clearance allow; all: those without these conditions. */
-static bool fill_map(const km_space_map_def *def, const km_table *cells, const km_table *all, km_table *table) {
+static bool fill_map(const km_model *model, const km_space_map_def *def, const km_table *cells, const km_table *all,
+                     km_table *table) {
   int points = (def->axis[0].steps + 1) * (def->axis[1].steps + 1);
   int *rows = KM_NEW(int, 2 * (size_t)points), *all_rows = rows ? rows + points : NULL;
   bool is_ok = rows && add_map_columns(cells, table);
@@ -273,8 +289,8 @@ static bool fill_map(const km_space_map_def *def, const km_table *cells, const k
     index_cells(def, all, points, all_rows);
   }
   for (int p = 0; is_ok && p < points; ++p)
-    is_ok =
-        add_map_row(def, cells, p, rows[p] >= 0 ? km_table_row(cells, (size_t)rows[p]) : NULL, all_rows[p] >= 0, table);
+    is_ok = add_map_row(def, cells, p, rows[p] >= 0 ? km_table_row(cells, (size_t)rows[p]) : NULL,
+                        all_rows[p] >= 0 || is_beyond_limits(model, def, p), table);
   km_free(rows);
   return is_ok;
 }
@@ -308,7 +324,7 @@ static km_status compute_maps(km_question *q, km_state *s, const km_space_map_de
     status = km_space_map_compute(q->m, s, &free_def, own, q->progress, q->context, &all, error);
   if (!status) {
     o->table = km_table_create();
-    if (!fill_map(def, map.cells, has_conditions ? all.cells : map.cells, o->table))
+    if (!fill_map(q->m->model, def, map.cells, has_conditions ? all.cells : map.cells, o->table))
       status = no_memory(error);
   }
   km_space_map_free(&map);

@@ -282,7 +282,7 @@ static void add_body(const map_page *p) {
   if (p->stride > 1)
     km_text_format(p->out, "every %d. grid point of the table · ", p->stride);
   km_text_add(p->out,
-              "values beyond the colours have the height of the ends · drag, arrow keys: turn · wheel, two fingers, "
+              "curves are as high as the grid points beside them · values beyond the colours have the height of the ends · drag, arrow keys: turn · wheel, two fingers, "
               "+ and −: zoom · Home: as at first · Shift and arrow keys: move the mark</p></div>\n"
               "<noscript><p>The surfaces need the script of this page.</p></noscript>\n");
 }

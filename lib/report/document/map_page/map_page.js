@@ -8,7 +8,7 @@ const $=id=>document.getElementById(id),data=JSON.parse($('data').textContent);
 const {columns,grid,part,across,down,curves,shades,word}=data,n=grid.length;
 const canvas=$('map'),pen=canvas.getContext('2d'),says=$('says'),choice=$('column');
 const css=name=>getComputedStyle(document.documentElement).getPropertyValue(name);
-const LIFT=.6,SMOOTH=12000,TURN=Math.PI/36,OUTLIERS=.02,LONGEST=.2,JUMP=.25,BIAS=.02,DASH=6,REACH=14;
+const LIFT=.6,MARGIN=.25,SMOOTH=12000,TURN=Math.PI/36,OUTLIERS=.02,LONGEST=.2,JUMP=.25,BIAS=.02,DASH=6,REACH=14,LINE=15;
 const parts=[...new Set(part)].filter(k=>k>0).sort((a,b)=>a-b),shown=new Set(parts);
 const named=o=>o.name+(o.unit?' ('+o.unit+')':'');
 const round=v=>v==null?'–':String(+v.toPrecision(4)).replace('-','−');
@@ -81,21 +81,18 @@ function steps(a,b,unit){
  const out=[];
  for(let k=Math.ceil(a/step-1e-9);k*step<=b+1e-9*step;k++)out.push(k*step);
  return out}
-// Floor, ticks and names: at the edges nearest to the eye, the height at the leftmost one.
+// Floor, ticks and names: at the edges nearest to the eye, the height at the leftmost one. Returns what writes the text,
+// which is in front of the surfaces.
 function axes(P,wide){
  const c=Math.cos(yaw),s=Math.sin(yaw),floor=-LIFT/2,front=c>0?-ev:ev,side=s>0?-eu:eu;
- pen.font='13px "DejaVu Sans",Verdana,sans-serif';
- pen.fillStyle=css('--ink');
+ const plain='13px "DejaVu Sans",Verdana,sans-serif',texts=[];
+ let font=plain;
  pen.strokeStyle=css('--line');
  pen.lineWidth=1;
- pen.textBaseline='middle';
- const write=(text,x,y)=>{ // no text is cut off at a side of the picture
-  const width=pen.measureText(text).width,left=pen.textAlign==='left'?0:pen.textAlign==='right'?width:width/2;
-  pen.fillText(text,Math.max(left+2,Math.min(wide-2-width+left,x)),y)};
+ const write=(text,x,y,align)=>texts.push([text,x,y,align,font]);
  const label=(text,u,v,w,du,dv,far)=>{
   const [x,y]=P(u,v,w),[x2,y2]=P(u+du,v+dv,w),l=Math.hypot(x2-x,y2-y)||1,dx=(x2-x)/l,dy=(y2-y)/l;
-  pen.textAlign=dx<-.3?'right':dx>.3?'left':'center';
-  write(text,x+dx*far,y+dy*far+(Math.abs(dy)>.3?Math.sign(dy)*4:0))};
+  write(text,x+dx*far,y+dy*far+(Math.abs(dy)>.3?Math.sign(dy)*4:0),dx<-.3?'right':dx>.3?'left':'center')};
  for(const x of steps(xa,xb,data.x.unit)){
   line([P(U(x),-ev,floor),P(U(x),ev,floor)]);
   label(round(x),U(x),front,floor,0,Math.sign(front),8)}
@@ -106,18 +103,28 @@ function axes(P,wide){
  const corners=[[-eu,-ev],[eu,-ev],[eu,ev],[-eu,ev]].sort((a,b)=>P(a[0],a[1],0)[0]-P(b[0],b[1],0)[0]),[u,v]=corners[0];
  const [x0]=P(u,v,0);
  line([P(u,v,floor),P(u,v,-floor)]);
- pen.textAlign='right';
+ let last=Infinity;
  for(const t of steps(low,high,columns[column].unit)){
   const [x,y]=P(u,v,W(t));
+  if(last-y<LINE)continue;
+  last=y;
   line([[x,y],[x-4,y]]);
-  write(round(t),x-7,y)}
- pen.font='bold 13px "DejaVu Sans",Verdana,sans-serif';
+  write(round(t),x-7,y,'right')}
+ font='bold '+plain;
  label(named(data.x),0,front,floor,0,Math.sign(front),34);
  label(named(data.y),side,0,floor,Math.sign(side),0,44);
- pen.textAlign='left';
- write(named(columns[column]),x0-40,P(u,v,-floor)[1]-16)}
+ write(named(columns[column]),x0-40,P(u,v,-floor)[1]-16,'left');
+ return ()=>{
+  pen.fillStyle=css('--ink');
+  pen.textBaseline='middle';
+  for(const [text,x,y,align,style] of texts){ // none is cut off at a side of the picture
+   pen.font=style;
+   pen.textAlign=align;
+   const width=pen.measureText(text).width,left=align==='left'?0:align==='right'?width:width/2;
+   pen.fillText(text,Math.max(left+2,Math.min(wide-2-width+left,x)),y)}}}
 function draw(quick){
- const [w,h]=size(),scale=zoom*Math.min(w/1.7,h/1.4),c=Math.cos(yaw),s=Math.sin(yaw),cp=Math.cos(pitch),sp=Math.sin(pitch);
+ const [w,h]=size(),c=Math.cos(yaw),s=Math.sin(yaw),cp=Math.cos(pitch),sp=Math.sin(pitch),across=2*Math.hypot(eu,ev);
+ const scale=zoom*Math.min(w/(across+MARGIN),h/(LIFT*cp+across*sp+MARGIN));
  const P=(u,v,z)=>[w/2+scale*(u*c-v*s),h*.5-scale*(z*cp+(u*s+v*c)*sp)],deep=(u,v,z)=>(u*s+v*c)*cp-z*sp;
  const px=new Float64Array(n),py=new Float64Array(n),depth=new Float64Array(n);
  for(let i=0;i<n;i++){
@@ -125,7 +132,7 @@ function draw(quick){
   [px[i],py[i]]=P(u,v,z);
   depth[i]=deep(u,v,z)}
  pen.clearRect(0,0,w,h);
- axes(P,w);
+ const writeTexts=axes(P,w);
  const items=[];
  (quick?coarse:fine).forEach((list,k)=>{
   if(shown.has(parts[k]))for(const q of list){
@@ -161,6 +168,7 @@ function draw(quick){
  pen.globalAlpha=.3; // lines behind surfaces are faint
  for(const [,q,v,a,b] of items)if(!q){pen.strokeStyle=inks[v];line([a,b])}
  pen.globalAlpha=1;
+ writeTexts();
  order=items.filter(i=>i[1]);
  place=i=>[px[i],py[i]];
  drawn={quads,segments:items.length-quads};
