@@ -2,10 +2,10 @@
 #include "kview/map_job.h"
 
 #include <math.h>
+#include <pthread.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
-#include <threads.h>
 
 enum { MOST_HALVINGS = 20 }; /* most halvings of the bar, which is 1 only where the map is finished */
 
@@ -14,8 +14,7 @@ struct kv_map_job {
   km_state *state;
   km_space_map_def def;
   char *point;
-  thrd_t thread;
-  bool has_thread;
+  pthread_t thread;
   double last;         /* share of the present search */
   int searches;        /* searches that are over */
   _Atomic double done; /* 1: finished */
@@ -37,7 +36,7 @@ static bool goes_on(void *context, double done) {
   return !atomic_load(&job->is_cancelled);
 }
 
-static int compute(void *context) {
+static void *compute(void *context) {
   kv_map_job *job = context;
   const km_space_axis *axis = job->def.axis;
   job->status = km_map_modes_find(job->mechanism, job->state, axis[0].coordinate, axis[1].coordinate, 1, goes_on, job,
@@ -46,7 +45,7 @@ static int compute(void *context) {
     job->status =
         km_space_map_compute(job->mechanism, job->state, &job->def, &job->modes, goes_on, job, &job->map, &job->error);
   atomic_store(&job->done, 1.0);
-  return 0;
+  return NULL;
 }
 
 static void free_job(kv_map_job *job) {
@@ -72,8 +71,9 @@ km_status kv_map_job_start(const km_mechanism *mechanism, const km_state *state,
   if (!status)
     status = km_state_assign(mechanism, job->state, state, error);
   if (!status) {
-    job->has_thread = thrd_create(&job->thread, compute, job) == thrd_success;
-    status = job->has_thread ? KM_OK : km_fail(error, KM_INTERNAL, "the system gives no thread for a map");
+    status = pthread_create(&job->thread, NULL, compute, job) == 0
+                 ? KM_OK
+                 : km_fail(error, KM_INTERNAL, "the system gives no thread for a map");
   }
   if (status)
     free_job(job);
@@ -91,7 +91,7 @@ void kv_map_job_cancel(kv_map_job *job) {
 }
 
 km_status kv_map_job_end(kv_map_job *job, km_space_map *map, bool *is_complete, km_error *error) {
-  thrd_join(job->thread, NULL);
+  pthread_join(job->thread, NULL);
   km_status status = job->status;
   *map = job->map;
   *is_complete = job->modes.is_complete;

@@ -6,7 +6,7 @@
 #include "kmech/space.h"
 
 #include <math.h>
-#include <threads.h>
+#include <time.h>
 
 enum { MOST_STEPS = 200 };
 static const struct timespec look = {0, 5000000}; /* time between two looks at a map that is waited for */
@@ -100,7 +100,7 @@ km_status kv_map(const kv_call *call, km_error *error) {
   if (status)
     return status;
   while (kv_map_job_done(call->session->job) < 1.0 && kv_limit_goes_on(&limit, 0.0))
-    thrd_sleep(&look, NULL);
+    nanosleep(&look, NULL);
   kv_map_job_cancel(call->session->job);
   status = finish(call, "Sheets and curves are missing: the map took too long; state fewer steps or a smaller range.",
                   error);
