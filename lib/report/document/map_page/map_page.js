@@ -55,9 +55,10 @@ function valueBeside(r){
  if(kind===0&&name==='sigma.input'||kind===1&&(name==='sigma.output'||name==='manipulability'))return 0;
  const known=[a,b].filter(c=>c>=0&&values[c]!=null);
  return known.length?known.reduce((s,c)=>s+values[c],0)/known.length:null}
-// Values on the curves: means of those beside the points that are within three steps of the grid.
+// Values on the curves: means of those beside the points that are near: within a step of
+// the grid, or over a point within three, where neighbours of the grid are far apart.
 function curveValues(){
- const beside=curves.x.map((_,r)=>valueBeside(r)),u=curves.x.map(U),v=curves.y.map(V),near=3*Math.max(2*eu/across,2*ev/down);
+ const beside=curves.x.map((_,r)=>valueBeside(r)),u=curves.x.map(U),v=curves.y.map(V),near=(equal?3:1)*Math.max(2*eu/across,2*ev/down);
  return beside.map((own,r)=>{
   let sum=own,count=1;
   for(const way of [-1,1])
