@@ -345,7 +345,7 @@ static void conditions_and_refusals(void **state) {
   bad[1].drivers = same;
   bad[2].to_drivers = NULL;
   bad[3].margin = -1.0;
-  bad[4].driver_count = 7;
+  bad[4].driver_count = KM_MAX_PATH_DRIVERS + 1;
   km_error error;
   for (int k = 0; k < 5; ++k) {
     assert_int_equal(km_space_path_find(f.mechanism, f.state, &bad[k], NULL, NULL, &path, &error), KM_USAGE);
@@ -407,6 +407,67 @@ static void arms_go_around_obstacles(void **state) {
   fixture_close(&f);
 }
 
+/* A ball that the effector of an arm mustn't enter. */
+typedef struct ball_obstacle {
+  int frame;
+  double centre[3];
+  double radius;
+} ball_obstacle;
+
+static double distance_from_centre(const ball_obstacle *b, const km_mechanism *m, const km_state *s) {
+  double place[3];
+  km_frame_position(m, s, b->frame, place);
+  return hypot(hypot(place[0] - b->centre[0], place[1] - b->centre[1]), place[2] - b->centre[2]);
+}
+
+static bool stay_out_of_ball(void *context, const km_mechanism *mechanism, const km_state *state) {
+  const ball_obstacle *b = context;
+  return distance_from_centre(b, mechanism, state) >= b->radius;
+}
+
+/* All seven joints of an arm are drivers: its hand goes around a ball in the middle of the straight path. */
+static void a_7r_arm_goes_around_a_ball(void **state) {
+  (void)state;
+  fixture f = fixture_open("panda");
+  const char *const hand[] = {"flange", "tool"};
+  int drivers[7];
+  double start[7], middle[7], end[7];
+  ball_obstacle ball = {.radius = 0.15};
+  assert_int_equal(km_model_find_frame(f.model, hand, 2, &ball.frame, NULL), KM_OK);
+  km_state_coordinates(f.mechanism, f.state, start, NULL);
+  for (int k = 0; k < 7; ++k) {
+    drivers[k] = k;
+    end[k] = start[k] + (k == 0 ? 1.6 : k == 3 ? 0.2 : 0.0);
+    middle[k] = 0.5 * (start[k] + end[k]);
+  }
+  assert_int_equal(km_state_set_coordinates(f.mechanism, f.state, middle, NULL), KM_OK);
+  km_poses_compute(f.mechanism, f.state);
+  km_frame_position(f.mechanism, f.state, ball.frame, ball.centre);
+  assert_int_equal(km_state_set_coordinates(f.mechanism, f.state, start, NULL), KM_OK);
+  km_space_path path = path_to(
+      &f,
+      &(km_space_path_def){
+          .drivers = drivers, .driver_count = 7, .to_drivers = end, .condition = stay_out_of_ball, .context = &ball});
+  assert_int_equal(path.outcome, KM_SPACE_PATH_FOUND);
+  assert_false(path.is_straight);
+  assert_smooth(&path, 7);
+  for (size_t r = 0; r < km_table_rows(path.table); ++r) {
+    const double *q = km_table_row(path.table, r) + 1;
+    assert_int_equal(km_state_set_coordinates(f.mechanism, f.state, q, NULL), KM_OK);
+    km_poses_compute(f.mechanism, f.state);
+    assert_true(distance_from_centre(&ball, f.mechanism, f.state) >= ball.radius);
+    for (int k = 0; k < 7; ++k) {
+      double low, high;
+      km_model_coordinate_limits(f.model, k, &low, &high);
+      assert_true(q[k] >= low - 1e-12 && q[k] <= high + 1e-12);
+    }
+  }
+  for (int k = 0; k < 7; ++k)
+    assert_near(km_table_row(path.table, km_table_rows(path.table) - 1)[1 + k], end[k], 1e-9);
+  km_space_path_free(&path);
+  fixture_close(&f);
+}
+
 /* The cylinders of an excavator's boom and stick, each of a part of its own, and its turntable in no loop. */
 static void drivers_of_different_parts(void **state) {
   (void)state;
@@ -442,6 +503,7 @@ int main(void) {
                                      cmocka_unit_test(opposite_modes_are_separated),
                                      cmocka_unit_test(conditions_and_refusals),
                                      cmocka_unit_test(arms_go_around_obstacles),
+                                     cmocka_unit_test(a_7r_arm_goes_around_a_ball),
                                      cmocka_unit_test(drivers_of_different_parts)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -106,7 +106,9 @@ static kt_exit write_picture(const options *o, const km_space_path *path, int dr
   km_text out = {0};
   km_error error;
   km_chart *chart = NULL;
-  const size_t y[KM_MAX_PATH_DRIVERS] = {1, 2, 3, 4, 5, 6};
+  size_t y[KM_MAX_PATH_DRIVERS];
+  for (size_t i = 0; i < KM_MAX_PATH_DRIVERS; ++i)
+    y[i] = i + 1;
   const km_plotted_table plotted = {path->table, o->model, 0, y};
   const km_chart_words words = {.title = "Path of the drivers", .x_label = "length of the path"};
   km_status status = km_table_chart_worded(&plotted, 1, drivers, &words, &chart, &error);

@@ -356,7 +356,7 @@ typedef struct km_space_path_def {
 
 enum {
   KM_DEFAULT_PATH_CONFIGURATIONS = 20000, /* configurations of a search, unless stated */
-  KM_MAX_PATH_DRIVERS = 6                 /* most drivers */
+  KM_MAX_PATH_DRIVERS = 16                /* most drivers */
 };
 /* Least smallest singular value of A along a path, unless stated. */
 #define KM_DEFAULT_PATH_MARGIN 0.02

@@ -2,46 +2,65 @@
  * in the corner between two curves (docs/theory.md 4.22).
  *
  *   nearest point of a curve : least |Δq|; no other curve is between it and the grid point
- *   aspect                   : of that curve's side that faces the grid point, + ν if Δq·ν > 0 */
+ *   aspect                   : of that curve's side that faces the grid point, + ν if Δq·ν > 0; where it has other
+ *                              signs, as near the end of a piece, of the next nearest piece's */
 #include "space/map/map_workspace.h"
 
 #include "base/number/vectors.h"
 
-/* Nearest inner point of a piece to the state's configuration; −1: none. *piece: its piece. */
-static long nearest_point(const km_workspace_search *w, int *piece) {
+/* The inner point of a piece that is nearest to the state's configuration; *distance: infinite if there is none. */
+static size_t nearest_point(const km_workspace_search *w, int piece, double *distance) {
   km_driver_surface *f = &w->g->f;
-  double nearest = HUGE_VAL;
-  long best = -1;
-  for (int k = 0; k < w->piece_count; ++k)
-    for (size_t i = w->pieces[k].first + 1; i + 1 < w->pieces[k].first + w->pieces[k].count; ++i) {
-      double distance = km_driver_surface_difference(f, w->points[w->source[i]].saved, f->step);
-      if (distance >= nearest)
-        continue;
-      nearest = distance;
-      *piece = k;
-      best = (long)w->source[i];
-    }
+  const km_outline_piece *at = &w->pieces[piece];
+  size_t best = 0;
+  *distance = HUGE_VAL;
+  for (size_t i = at->first + 1; i + 1 < at->first + at->count; ++i) {
+    double d = km_driver_surface_difference(f, w->points[w->source[i]].saved, f->step);
+    if (d >= *distance)
+      continue;
+    *distance = d;
+    best = w->source[i];
+  }
   return best;
 }
 
-/* Aspect of the side that faces a configuration; 0: the side has none, or other signs. */
-static int facing_aspect(km_workspace_search *w, const double *saved) {
+/* Aspect of a piece's side that faces a configuration; 0: the side has none, or other signs. */
+static int facing_aspect(km_workspace_search *w, int piece, const km_curve_point *p, const double *saved) {
   km_driver_surface *f = &w->g->f;
-  int piece;
-  km_driver_surface_restore(f, saved);
-  long nearest = nearest_point(w, &piece);
-  if (nearest < 0 || !km_piece_find_across(w, &w->points[nearest]))
+  if (!km_piece_find_across(w, p))
     return 0;
   km_driver_surface_restore(f, saved);
-  km_driver_surface_difference(f, w->points[nearest].saved, f->step);
+  km_driver_surface_difference(f, p->saved, f->step);
   const km_piece_side *side = &w->sides[piece][km_dot(f->step, w->nu, f->columns) < 0.0];
   return km_piece_has_signs(w, side->signs) ? side->aspect : 0;
+}
+
+/* Aspect of the nearest side that faces a configuration and has its signs; 0: none. */
+static int nearest_aspect(km_workspace_search *w, const double *saved, double *distance, size_t *point) {
+  int aspect = 0, nearest = 0;
+  for (int k = 0; k < w->piece_count; ++k) {
+    km_driver_surface_restore(&w->g->f, saved);
+    point[k] = nearest_point(w, k, &distance[k]);
+  }
+  while (aspect == 0 && nearest >= 0) {
+    nearest = -1;
+    for (int k = 0; k < w->piece_count; ++k)
+      if (isfinite(distance[k]) && (nearest < 0 || distance[k] < distance[nearest]))
+        nearest = k;
+    if (nearest < 0)
+      continue;
+    aspect = facing_aspect(w, nearest, &w->points[point[nearest]], saved);
+    distance[nearest] = HUGE_VAL;
+  }
+  return aspect;
 }
 
 bool km_facing_sides_join(km_workspace_search *w) {
   int cells = w->g->across * w->g->down;
   bool *has_side = KM_ARENA_NEW(&w->g->arena, bool, (size_t)w->g->aspect_count + 1);
-  if (!has_side)
+  double *distance = KM_ARENA_NEW(&w->g->arena, double, (size_t)w->piece_count + 1);
+  size_t *point = KM_ARENA_NEW(&w->g->arena, size_t, (size_t)w->piece_count + 1);
+  if (w->g->arena.failed)
     return false;
   for (int k = 0; k < w->piece_count; ++k)
     for (int side = 0; side < 2; ++side)
@@ -50,7 +69,7 @@ bool km_facing_sides_join(km_workspace_search *w) {
     has_side[i] = i == 0 || has_side[w->representative[i]];
   for (int cell = 0; cell < cells; ++cell)
     for (const km_known_configuration *at = w->g->known[cell]; at; at = at->next) {
-      int aspect = has_side[at->aspect] ? 0 : facing_aspect(w, at->saved);
+      int aspect = has_side[at->aspect] ? 0 : nearest_aspect(w, at->saved, distance, point);
       if (aspect == 0)
         continue;
       km_aspects_join(w, at->aspect, aspect);

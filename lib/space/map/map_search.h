@@ -31,6 +31,7 @@ typedef struct km_map_search {
   signed char *output_sign;          /* [cell] of det D; 0: no point, or on a curve */
   double *output;                    /* [cell][3] det (J; G), and its derivatives over a grid step along both drivers */
   double *rows;                      /* [cell × columns of the table] of the present sheet */
+  size_t sigma_input;                /* its column */
   bool *is_written;                  /* [cell] it has a row */
   int *aspect;                       /* [cell] its aspect; 0: none yet */
   int kept_sign;                     /* sign of det (J; G) that steps keep all along; 0: they needn't */

@@ -10,7 +10,9 @@
 
 enum {
   LEAST_CELLS = 10 /* grid points of a sheet that begins at a curve or at random */,
-  RANDOM_STARTS = 128,
+  SPREAD_POINTS = 2048, /* grid points that may be random starts */
+  SPREAD_STRIDE = 32,
+  MOST_STARTS = 128,  /* starts at grid points without a sheet */
   CLOSING_ROUNDS = 4, /* eight steps of Newton's method each */
   CURVE_STRIDE = 4    /* points of a curve from one start of sheets to the next */
 };
@@ -91,6 +93,35 @@ static bool visit_neighbours(km_map_search *g, int sheet, int cell, double *N, i
     *is_turned = *is_turned || (g->sign[next] && g->output_sign[cell] != g->output_sign[next]);
   }
   return true;
+}
+
+/* A number that is 0 on the curves of a kind, at a cell: σ_input, or |det (J; G)|. */
+static double distance_number(const km_map_search *g, int cell, km_curve_kind kind) {
+  size_t width = km_table_columns(g->out->cells);
+  return kind == KM_CURVE_INPUT ? g->rows[(size_t)cell * width + g->sigma_input] : fabs(g->output[3 * (size_t)cell]);
+}
+
+/* True if a cell's number is less than at all four neighbours, which are on its side of the curves. */
+static bool is_least(const km_map_search *g, int cell, km_curve_kind kind) {
+  double value = distance_number(g, cell, kind);
+  for (int k = 0; k < 4; ++k) {
+    int next = km_map_neighbour(g, cell, k);
+    if (next < 0 || !g->sign[next] || g->output_sign[next] != g->output_sign[cell] ||
+        distance_number(g, next, kind) <= value)
+      return false;
+  }
+  return true;
+}
+
+/* Adds the curves nearest to a cell that is nearer to them than its neighbours: those that cross no step of the grid. */
+static bool add_inner_curves(km_map_search *g, int cell) {
+  bool is_ok = true;
+  for (int kind = KM_CURVE_INPUT; is_ok && kind <= KM_CURVE_OUTPUT; ++kind) {
+    const km_surface_curve curve = {.kind = (km_curve_kind)kind};
+    if ((kind == KM_CURVE_INPUT || g->f.frame >= 0) && is_least(g, cell, curve.kind))
+      is_ok = km_surface_curves_add(g->curves, &curve, g->saved + (size_t)cell * g->f.saved_size, 0.0);
+  }
+  return is_ok;
 }
 
 /* Adds the limits that the configuration of a cell exceeds, from there: within them a ball joint's angle may be 0. */
@@ -186,7 +217,7 @@ static km_status follow_sheet(km_map_search *g, int sheet, int least, km_error *
       return no_memory(error);
   }
   for (int i = 0; i < tail; ++i)
-    if (!add_limits(g, g->queue[i]))
+    if (!add_inner_curves(g, g->queue[i]) || !add_limits(g, g->queue[i]))
       return no_memory(error);
   if (tail < least) { /* grid points at the edge of another sheet, which may reach them */
     for (int i = 0; i < tail; ++i)
@@ -279,6 +310,7 @@ static km_status prepare_grid(km_map_search *g, km_error *error) {
   g->out->boundary = f->frame >= 0 ? km_table_create() : NULL;
   if (!km_map_add_columns(g))
     return no_memory(error);
+  g->sigma_input = (size_t)km_table_find(g->out->cells, "sigma.input");
   g->curves = km_surface_curves_create(f, g->out->curves);
   g->start_N = KM_ARENA_NEW(&g->arena, double, 2 * (size_t)f->columns);
   g->rows = KM_ARENA_NEW(&g->arena, double, cells *km_table_columns(g->out->cells));
@@ -314,12 +346,13 @@ static km_status follow_sheets_of_curves(km_map_search *g, km_error *error) {
   return status;
 }
 
-/* Closes the loops at a grid point, from other coordinates at random. */
-static bool close_at_random(km_map_search *g, int cell, uint64_t *random) {
+/* Closes the loops at a grid point, from other coordinates at random, less full turns from `home`. */
+static bool close_at_random(km_map_search *g, int cell, const double *home, uint64_t *random) {
   km_driver_surface *f = &g->f;
   const int at[2] = {cell % g->across, cell / g->across};
   bool is_closed = false;
   int sign;
+  km_driver_surface_restore(f, home);
   for (int k = 0; k < f->columns; ++k)
     f->step[k] = M_PI * km_uniform(random); /* a hinge: a full turn; a slide: ±π sizes */
   for (int d = 0; d < 2; ++d)
@@ -327,22 +360,36 @@ static bool close_at_random(km_map_search *g, int cell, uint64_t *random) {
   km_driver_surface_move(f, f->step);
   for (int i = 0; i < CLOSING_ROUNDS && !is_closed; ++i)
     is_closed = km_driver_surface_close(f, HUGE_VAL, &sign);
-  if (is_closed)
-    km_driver_surface_restart(f);
-  return is_closed;
+  if (!is_closed)
+    return false;
+  km_driver_surface_difference(f, home, f->step);
+  km_driver_surface_restore(f, home);
+  km_driver_surface_move(f, f->step);
+  km_driver_surface_restart(f);
+  return true;
 }
 
-/* Follows sheets from random configurations at random grid points, every second one without a sheet so far: those of
- * motions that don't reach the drivers' values of the modes. `home`: a configuration. */
+/* Number i of van der Corput's sequence in a base, in [0, 1). */
+static double van_der_corput(int i, int base) {
+  double value = 0.0, digit = 1.0 / base;
+  for (; i > 0; i /= base, digit /= base)
+    value += digit * (i % base);
+  return value;
+}
+
+/* Follows sheets from random configurations at evenly spread grid points (J. H. Halton 1960), those without a sheet so
+ * far and every SPREAD_STRIDE-th: those of motions that don't reach the drivers' values of the modes. `home`: a
+ * configuration. */
 static km_status follow_sheets_of_random_starts(km_map_search *g, const double *home, km_error *error) {
   km_status status = KM_OK;
   uint64_t random = 11;
-  for (int start = 0; !status && start < RANDOM_STARTS; ++start) {
-    int cells = g->across * g->down, cell = (int)(0.5 * (1.0 + km_uniform(&random)) * (cells - 1));
-    for (int i = 0; i < cells && start % 2 == 1 && g->known[cell]; ++i)
-      cell = (cell + 1) % cells;
-    km_driver_surface_restore(&g->f, home);
-    if (close_at_random(g, cell, &random))
+  int starts = 0;
+  for (int i = 1; !status && i <= SPREAD_POINTS; ++i) {
+    int cell = (int)(van_der_corput(i, 2) * g->across) + (int)(van_der_corput(i, 3) * g->down) * g->across;
+    if (i % SPREAD_STRIDE != 0 && (g->known[cell] || starts == MOST_STARTS))
+      continue;
+    starts += !g->known[cell];
+    if (close_at_random(g, cell, home, &random))
       status = follow_sheet(g, g->last_sheet + 1, LEAST_CELLS, error);
   }
   return status;
