@@ -9,17 +9,44 @@
 #include <string.h>
 
 static const double side_distance = 1e-7; /* distance of a part from its sides, by the extent: curves agree to 1e-8 */
-static const double least_side_distance = 9e-9; /* smallest one, beside a near curve: copies of a curve are nearer */
-static const double least_length = 1e-6;        /* shorter parts are between a crossing and an end that are one */
-static const double end_chord = 1e-4;           /* chord for the direction at an end, in segments */
-static const double same_place = 1e-7;          /* distance of ends of parts that begin at one cut, of the extent */
-static const double same_end = 1e-4;   /* longest gap that isn't one, of the extent: curves end beside a vertex */
-static const double most_gap = 0.02;   /* longest one that a straight line closes, of the extent */
-static const double coincident = 3e-8; /* distance of curves that are one, of the extent */
+static const double least_length = 1e-6;  /* shorter parts are between a crossing and an end that are one */
+static const double end_chord = 1e-4;     /* chord for the direction at an end, in segments */
+static const double same_place = 1e-7;    /* distance of ends of parts that begin at one cut, of the extent */
+static const double same_end = 1e-4;      /* longest gap that isn't one, of the extent: curves end beside a vertex */
+static const double most_gap = 0.02;      /* longest one that a straight line closes, of the extent */
+static const double coincident = 3e-8;    /* distance of curves that are one, of the extent */
+
+/* Parameter of the next point of a part after `at`, or of its end. */
+static double next_point(const km_outline_part *part, double at) {
+  return fmin(floor(at) + 1.0, part->to);
+}
+
+/* Length of the chord between two parameters of a piece. */
+static double chord(const km_curve_net *net, int piece, double from, double to) {
+  double a[2], b[2], rate[2];
+  km_curve_net_place(net, piece, from, a, rate);
+  km_curve_net_place(net, piece, to, b, rate);
+  return hypot(b[0] - a[0], b[1] - a[1]);
+}
+
+/* Parameter at half of a part's length: there its curve is farthest from others that touch it at the ends. */
+static double middle_parameter(const km_curve_net *net, const km_outline_part *part) {
+  double length = 0.0, half;
+  for (double at = part->from; at < part->to; at = next_point(part, at))
+    length += chord(net, part->piece, at, next_point(part, at));
+  half = 0.5 * length;
+  for (double at = part->from; at < part->to; at = next_point(part, at)) {
+    double next = next_point(part, at), own = chord(net, part->piece, at, next);
+    if (own >= half && own > 0.0)
+      return at + (next - at) * half / own;
+    half -= own;
+  }
+  return 0.5 * (part->from + part->to);
+}
 
 /* Unit vector along a part's middle, and its place. False where the curve has no direction. */
 static bool middle_of(const km_curve_net *net, const km_outline_part *part, double *place, double *along) {
-  km_curve_net_place(net, part->piece, 0.5 * (part->from + part->to), place, along);
+  km_curve_net_place(net, part->piece, middle_parameter(net, part), place, along);
   double size = hypot(along[0], along[1]);
   along[0] /= size;
   along[1] /= size;
@@ -35,22 +62,23 @@ static bool is_earlier(const km_curve_net *net, const int *jump, int piece, cons
   return false;
 }
 
-/* N on both sides of a place. Where it doesn't differ by the jump, another curve is nearer than the sides: they are
- * taken nearer too, unless that curve is the same one. */
-static void count_sides(const km_curve_net *net, const int *jump, int piece, const double *place, const double *along,
-                        int *left, int *right) {
-  for (double e = side_distance; e >= least_side_distance; e *= 0.1) {
-    double x = e * net->size * along[0], y = e * net->size * along[1];
-    int at_left = km_curve_net_count(net, jump, (const double[]){place[0] - y, place[1] + x});
-    int at_right = km_curve_net_count(net, jump, (const double[]){place[0] + y, place[1] - x});
-    bool is_exact = at_left - at_right == jump[piece];
-    if (is_exact || e == side_distance) {
-      *left = at_left;
-      *right = at_right;
-    }
-    if (is_exact)
-      return;
+/* Distance of a place from the nearest curve with a jump that doesn't run through it; at most 2 · side_distance. */
+static double other_distance(const km_curve_net *net, const int *jump, const double *place) {
+  double nearest = 2.0 * side_distance * net->size, u;
+  for (int i = 0; i < net->segment_count; ++i) {
+    double d = jump[net->segments[i].piece] ? km_segment_distance(&net->segments[i], place, nearest, &u) : HUGE_VAL;
+    if (d > coincident * net->size)
+      nearest = fmin(nearest, d);
   }
+  return nearest;
+}
+
+/* N on both sides of a place, half as far as the next curve. */
+static void count_sides(const km_curve_net *net, const int *jump, const double *place, const double *along, int *left,
+                        int *right) {
+  double e = 0.5 * other_distance(net, jump, place), x = e * along[0], y = e * along[1];
+  *left = km_curve_net_count(net, jump, (const double[]){place[0] - y, place[1] + x});
+  *right = km_curve_net_count(net, jump, (const double[]){place[0] + y, place[1] - x});
 }
 
 /* Turns the part so that the region is on its left. False: it isn't on the outline. */
@@ -59,7 +87,7 @@ static bool is_on_outline(const km_curve_net *net, const int *jump, km_outline_p
   if (!jump[part->piece] || !middle_of(net, part, place, along))
     return false;
   int left = 0, right = 0;
-  count_sides(net, jump, part->piece, place, along, &left, &right);
+  count_sides(net, jump, place, along, &left, &right);
   bool has_left = left > 0, has_right = right > 0;
   if (has_left == has_right || is_earlier(net, jump, part->piece, place))
     return false;
