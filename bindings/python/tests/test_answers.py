@@ -445,7 +445,7 @@ def test_maps_over_two_drivers(source):
     assert found.complete and found.sheet_count == 2 and found.curve_count >= 1
     ends = [(0.6 * numpy.cos(found.curves[c] + numpy.pi / 2), 0.6 * numpy.sin(found.curves[c] + numpy.pi / 2)) for c in ("q.A", "q.E")]
     apart = numpy.hypot(1 + ends[1][0] - ends[0][0], ends[1][1] - ends[0][1])
-    assert abs(apart - 1.8).max() < 1e-9  # the rods are in line
+    assert numpy.minimum(abs(apart - 1.8), apart).max() < 1e-9  # the rods are in line, stretched or folded
     assert abs(sum(found.cells["m." + c] for c in "ABCDE") - 2).max() < 1e-12
     assert found.workspace is None
     turn = (-numpy.pi, numpy.pi, 31)

@@ -113,7 +113,8 @@ static bool is_least(const km_map_search *g, int cell, km_curve_kind kind) {
   return true;
 }
 
-/* Adds the curves nearest to a cell that is nearer to them than its neighbours: those that cross no step of the grid. */
+/* Adds the curves nearest to a cell that is nearer to them than its neighbours: those that cross no step of the
+ * grid. */
 static bool add_inner_curves(km_map_search *g, int cell) {
   bool is_ok = true;
   for (int kind = KM_CURVE_INPUT; is_ok && kind <= KM_CURVE_OUTPUT; ++kind) {
