@@ -98,6 +98,29 @@ void km_complex_move(const km_complex_closure *c, const km_complex *step, km_com
   km_complex_normalise(c, x);
 }
 
+double km_complex_step_size(const km_complex_closure *c, const km_complex *step, const km_complex *x) {
+  double largest = 0.0;
+  for (int k = 0; k < c->sub->columns; ++k) {
+    km_complex w[3] = {0.0, 0.0, 0.0}, rate[4];
+    const km_complex *own = &x[c->start_of[k]];
+    int count = km_complex_begins_ball(c, k) ? 3 : km_complex_is_ball(c, k) ? 0 : 1;
+    for (int i = 0; i < count; ++i)
+      w[i] = c->unknown_of[k + i] >= 0 ? step[c->unknown_of[k + i]] : 0.0;
+    double size = cabs(w[0]);
+    if (count == 3) {
+      double change = 0.0, length = 0.0;
+      quaternion_rate(own, w, rate);
+      for (int i = 0; i < 4; ++i) {
+        change += creal(rate[i] * conj(rate[i]));
+        length += creal(own[i] * conj(own[i]));
+      }
+      size = 2.0 * sqrt(change / length);
+    }
+    largest = size > largest || isnan(size) ? size : largest;
+  }
+  return largest;
+}
+
 void km_complex_randomise(const km_complex_closure *c, const km_complex *centre, double distance, uint64_t *random,
                           km_complex *x) {
   memcpy(x, centre, (size_t)c->length * sizeof *x);

@@ -34,13 +34,24 @@ static inline km_complex km_complex_of(double re, double im) {
 }
 #define KM_I km_complex_of(0.0, 1.0) /* the imaginary unit as a double: C's own is a float */
 
+/* Numbers of the chains of spatial loops: beside a pole rotations have parts of 1e4, whose products cancel. */
+typedef long double complex km_wide;
+
+/* re + i im, as km_complex_of. */
+static inline km_wide km_wide_of(long double re, long double im) {
+  const long double parts[2] = {re, im};
+  km_wide z;
+  memcpy(&z, parts, sizeof z);
+  return z;
+}
+
 /* Random functions y_k of the bodies' poses: the first two are the fingerprint of a solution, the third one is that of
  * the trace test. */
 enum { KM_FINGERPRINT = 2, KM_TRACE = 2, KM_FUNCTIONALS = 3 };
 
 /* Complex pose of a slot of a spatial program: columns of the rotation, origin. */
 typedef struct km_complex_pose {
-  km_complex R[3][3], p[3];
+  km_wide R[3][3], p[3];
 } km_complex_pose;
 
 /* Slot of a planar program in isotropic coordinates. */
@@ -132,6 +143,9 @@ void km_complex_choose_trace(km_complex_closure *c, const km_complex *points, in
 
 /* Adds a step[n] to a configuration: x <- exp(step) x. */
 void km_complex_move(const km_complex_closure *c, const km_complex *step, km_complex *x);
+/* Size of a step at a configuration: the largest |change| of a hinge or slide, and of a ball joint 2 |Q̇|/|Q|, its
+ * angle where Q is real. Angular velocities grow with |Q|² beside a pole, where Q hardly changes. */
+double km_complex_step_size(const km_complex_closure *c, const km_complex *step, const km_complex *x);
 /* Computes the rate of the configuration's numbers, out[length], at the rates[n] of the unknowns. */
 void km_complex_rate(const km_complex_closure *c, const km_complex *x, const km_complex *rates, km_complex *out);
 /* Normalises the quaternions, Q <- Q / sqrt(Q·Q). */

@@ -24,7 +24,7 @@ static km_complex dot(const km_complex *a, const km_complex *b) {
 }
 
 /* R a for a real vector a. */
-static void rotate_real(km_complex (*R)[3], km_vec3 a, km_complex *out) {
+static void rotate_real(km_wide (*R)[3], km_vec3 a, km_wide *out) {
   for (int k = 0; k < 3; ++k)
     out[k] = a.x * R[0][k] + a.y * R[1][k] + a.z * R[2][k];
 }
@@ -34,6 +34,16 @@ static void rotate(km_complex (*R)[3], const km_complex *a, km_complex *out) {
   for (int k = 0; k < 3; ++k)
     r[k] = a[0] * R[0][k] + a[1] * R[1][k] + a[2] * R[2][k];
   memcpy(out, r, sizeof r);
+}
+
+static void rotate_wide(km_wide (*R)[3], const km_wide *a, km_wide *out) {
+  for (int k = 0; k < 3; ++k)
+    out[k] = a[0] * R[0][k] + a[1] * R[1][k] + a[2] * R[2][k];
+}
+
+static void narrow(const km_wide *a, int count, km_complex *out) {
+  for (int k = 0; k < count; ++k)
+    out[k] = (km_complex)a[k];
 }
 
 /* X · Y for a real pose Y. */
@@ -51,19 +61,24 @@ static void pose_product(km_complex_pose *X, const km_pose *Y, bool has_rotation
 }
 
 /* Unit twist of a rotation about `axis` through p, times sign. */
-static void turning_twist(double sign, const km_complex *axis, const km_complex *p, km_complex *h) {
+static void turning_twist(double sign, const km_wide *axis, const km_wide *p, km_complex *h) {
+  km_complex through[3];
+  narrow(p, 3, through);
   for (int k = 0; k < 3; ++k)
-    h[3 + k] = sign * axis[k];
-  cross(p, h + 3, h);
+    h[3 + k] = (km_complex)(sign * axis[k]);
+  cross(through, h + 3, h);
 }
 
 /* Rotation matrix, by columns, of the quaternion Q / sqrt(Q·Q), or of its conjugate if sign < 0. */
-static void quaternion_rotation(const km_complex *Q, double sign, km_complex R[3][3]) {
-  km_complex share = 1.0 / csqrt(Q[0] * Q[0] + Q[1] * Q[1] + Q[2] * Q[2] + Q[3] * Q[3]);
-  km_complex w = share * Q[0], x = sign * share * Q[1], y = sign * share * Q[2], z = sign * share * Q[3];
-  const km_complex r[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (z * x - w * y)},
-                              {2 * (x * y - w * z), 1 - 2 * (z * z + x * x), 2 * (y * z + w * x)},
-                              {2 * (z * x + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)}};
+static void quaternion_rotation(const km_complex *Q, double sign, km_wide R[3][3]) {
+  km_wide w = Q[0], x = Q[1], y = Q[2], z = Q[3], share = 1.0L / csqrtl(w * w + x * x + y * y + z * z);
+  w *= share;
+  x *= sign * share;
+  y *= sign * share;
+  z *= sign * share;
+  const km_wide r[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (z * x - w * y)},
+                           {2 * (x * y - w * z), 1 - 2 * (z * z + x * x), 2 * (y * z + w * x)},
+                           {2 * (z * x + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)}};
   memcpy(R, r, sizeof r);
 }
 
@@ -71,31 +86,31 @@ static void quaternion_rotation(const km_complex *Q, double sign, km_complex R[3
 static void apply_motion(const km_complex_closure *c, const km_step *step, const km_complex *x, km_complex_pose *X,
                          km_complex (*h)[6]) {
   const km_complex *number = &x[c->start_of[km_complex_column(c, step->coordinate)]];
-  km_complex *axis = X->R[step->axis];
+  const km_wide *axis = X->R[step->axis];
   if (step->primitive == KM_PRISMATIC) {
     for (int k = 0; k < 3; ++k) {
-      h[0][k] = step->sign * axis[k];
+      h[0][k] = (km_complex)(step->sign * axis[k]);
       h[0][3 + k] = 0.0;
-      X->p[k] += *number * h[0][k];
+      X->p[k] += *number * (step->sign * axis[k]);
     }
   } else if (step->primitive == KM_REVOLUTE) {
     turning_twist(step->sign, axis, X->p, h[0]);
-    km_complex value = step->sign * *number;
-    double growth = exp(-cimag(value)), cosine = cos(creal(value)), sine = sin(creal(value));
-    km_complex turn = km_complex_of(growth * cosine, growth * sine),
-               back = km_complex_of(cosine / growth, -sine / growth);
-    km_complex C = 0.5 * (turn + back), S = -0.5 * KM_I * (turn - back);
-    km_complex *u = X->R[(step->axis + 1) % 3], *v = X->R[(step->axis + 2) % 3];
+    long double angle = step->sign * (long double)creal(*number),
+                growth = expl(-step->sign * (long double)cimag(*number));
+    long double cosine = cosl(angle), sine = sinl(angle), sum = 0.5L * (growth + 1.0L / growth),
+                difference = 0.5L * (growth - 1.0L / growth);
+    km_wide C = km_wide_of(sum * cosine, difference * sine), S = km_wide_of(sum * sine, -difference * cosine);
+    km_wide *u = X->R[(step->axis + 1) % 3], *v = X->R[(step->axis + 2) % 3];
     for (int k = 0; k < 3; ++k) {
-      km_complex uk = C * u[k] + S * v[k];
+      km_wide uk = C * u[k] + S * v[k];
       v[k] = C * v[k] - S * u[k];
       u[k] = uk;
     }
   } else { /* a ball joint */
-    km_complex turn[3][3], after[3][3];
+    km_wide turn[3][3], after[3][3];
     quaternion_rotation(number, step->sign, turn);
     for (int k = 0; k < 3; ++k)
-      rotate(X->R, turn[k], after[k]);
+      rotate_wide(X->R, turn[k], after[k]);
     for (int k = 0; k < 3; ++k)
       turning_twist(step->sign, step->sign > 0.0 ? X->R[k] : after[k], X->p, h[k]);
     memcpy(X->R, after, sizeof after);
@@ -113,8 +128,8 @@ static void compute_slots(const km_complex_closure *c, const km_program *program
 }
 
 /* Gibbs vector of R Gᵀ. */
-static void gibbs_vector(km_complex (*R)[3], const km_complex *P, km_complex g[3]) {
-  km_complex G[3][3], T[3][3];
+static void gibbs_vector(km_wide (*R)[3], const km_complex *P, km_complex g[3]) {
+  km_wide G[3][3], T[3][3];
   if (P) {
     quaternion_rotation(P, 1.0, G);
     for (int j = 0; j < 3; ++j)
@@ -122,10 +137,10 @@ static void gibbs_vector(km_complex (*R)[3], const km_complex *P, km_complex g[3
         T[j][k] = R[0][k] * G[0][j] + R[1][k] * G[1][j] + R[2][k] * G[2][j];
     R = T;
   }
-  km_complex share = 1.0 / (1.0 + R[0][0] + R[1][1] + R[2][2]);
-  g[0] = share * (R[1][2] - R[2][1]);
-  g[1] = share * (R[2][0] - R[0][2]);
-  g[2] = share * (R[0][1] - R[1][0]);
+  km_wide share = 1.0L / (1.0L + R[0][0] + R[1][1] + R[2][2]);
+  g[0] = (km_complex)(share * (R[1][2] - R[2][1]));
+  g[1] = (km_complex)(share * (R[2][0] - R[0][2]));
+  g[2] = (km_complex)(share * (R[0][1] - R[1][0]));
 }
 
 /* Displacement E of a loop: its rotation (columns), image of o, Gibbs vector g, and o on side b. */
@@ -139,23 +154,26 @@ static void displace(const km_complex_closure *c, km_complex_loop here, loop_dis
   km_complex_pose a, b;
   pose_product(&c->slot[loop->slot[0]], &loop->closing_frame[0], true, &a);
   pose_product(&c->slot[loop->slot[1]], &loop->closing_frame[1], true, &b);
-  const km_complex offset[3] = {loop->origin_offset.x, loop->origin_offset.y, loop->origin_offset.z};
-  const km_complex point[3] = {loop->point[0].x, loop->point[0].y, loop->point[0].z};
+  const double offset[3] = {loop->origin_offset.x, loop->origin_offset.y, loop->origin_offset.z};
+  const double point[3] = {loop->point[0].x, loop->point[0].y, loop->point[0].z};
+  km_wide R[3][3], o[3], from[3], image[3];
   for (int j = 0; j < 3; ++j)
     for (int k = 0; k < 3; ++k) /* R = R_a R_bᵀ */
-      E->R[j][k] = a.R[0][k] * b.R[0][j] + a.R[1][k] * b.R[1][j] + a.R[2][k] * b.R[2][j];
-  km_complex from[3];
+      R[j][k] = a.R[0][k] * b.R[0][j] + a.R[1][k] * b.R[1][j] + a.R[2][k] * b.R[2][j];
   for (int k = 0; k < 3; ++k) {
-    E->o[k] = here.has_moving_point ? b.p[k] : point[k] - offset[k];
-    from[k] = E->o[k] - b.p[k];
+    o[k] = here.has_moving_point ? b.p[k] : point[k] - offset[k];
+    from[k] = o[k] - b.p[k];
   }
-  rotate(E->R, from, E->image);
-  gibbs_vector(E->R, here.P, E->g);
+  rotate_wide(R, from, image);
+  gibbs_vector(R, here.P, E->g);
   for (int k = 0; k < 3; ++k) {
-    E->image[k] += a.p[k];
-    errors[k] = E->image[k] - E->o[k] - offset[k];
+    image[k] += a.p[k];
+    errors[k] = (km_complex)(image[k] - o[k] - offset[k]);
     errors[3 + k] = 2.0 * E->g[k];
+    narrow(R[k], 3, E->R[k]);
   }
+  narrow(image, 3, E->image);
+  narrow(o, 3, E->o);
 }
 
 /* Column of J of the unit twist h of a joint on one side. */
@@ -202,8 +220,9 @@ static void evaluate_loop(const km_complex_closure *c, const km_program *program
 }
 
 /* Adds w·p of a point and its wrench (w; p × w). */
-static void add_force(const km_complex *w, const km_complex *p, km_complex *wrench, km_complex_values *out) {
-  km_complex moment[3];
+static void add_force(const km_complex *w, const km_wide *place, km_complex *wrench, km_complex_values *out) {
+  km_complex moment[3], p[3];
+  narrow(place, 3, p);
   cross(p, w, moment);
   out->value += dot(w, p);
   for (int k = 0; k < 3; ++k) {
@@ -226,11 +245,12 @@ static void add_functional(const km_complex_closure *c, const km_program *progra
   for (int i = program->step_count - 1; i >= 0; --i) {
     const km_step *step = &c->m->steps[program->step_start + i];
     const km_complex_pose *X = &c->slot[step->to];
-    km_complex *behind = c->wrench[step->to], *before = c->wrench[step->from], moment[3];
+    km_complex *behind = c->wrench[step->to], *before = c->wrench[step->from], moment[3], axis[3];
     add_force(weight.slot[i].p, X->p, behind, out);
     for (int j = 0; j < 3; ++j) {
-      out->value += dot(weight.slot[i].R[j], X->R[j]);
-      cross(X->R[j], weight.slot[i].R[j], moment);
+      narrow(X->R[j], 3, axis);
+      out->value += dot(weight.slot[i].R[j], axis);
+      cross(axis, weight.slot[i].R[j], moment);
       for (int k = 0; k < 3; ++k)
         behind[3 + k] += moment[k];
     }
@@ -253,6 +273,10 @@ void km_complex_spatial(const km_complex_closure *c, const km_program *program, 
     add_functional(c, program, weight, out);
 }
 
+static km_vec3 real_part(const km_wide *a) {
+  return (km_vec3){(double)creall(a[0]), (double)creall(a[1]), (double)creall(a[2])};
+}
+
 /* The ball's rotation T before the closing frame C: R T C = R_b, so T = Rᵀ R_b Cᵀ; a reversed joint has the inverse. */
 void km_complex_close_spatial(const km_complex_closure *c, const km_program *program, const km_loop *loop, int i,
                               km_complex *x) {
@@ -263,8 +287,8 @@ void km_complex_close_spatial(const km_complex_closure *c, const km_program *pro
   pose_product(&c->slot[step->from], &step->before, step->has_rotation, &before);
   pose_product(&c->slot[loop->slot[1]], &loop->closing_frame[1], true, &b);
   for (int k = 0; k < 3; ++k) {
-    middle.axis[k] = (km_vec3){creal(before.R[k][0]), creal(before.R[k][1]), creal(before.R[k][2])};
-    other.axis[k] = (km_vec3){creal(b.R[k][0]), creal(b.R[k][1]), creal(b.R[k][2])};
+    middle.axis[k] = real_part(before.R[k]);
+    other.axis[k] = real_part(b.R[k]);
   }
   middle = km_rotation_inverse(&middle);
   C = km_rotation_inverse(&C);
@@ -287,16 +311,16 @@ void km_complex_spatial_extent(const km_complex_closure *c, const km_program *pr
     pose_product(&c->slot[loop->slot[i % 2]], &loop->closing_frame[i % 2], false, &X);
     for (int k = 0; k < 3; ++k)
       if (weight.end[i].p[k] != 0.0)
-        km_complex_extend(extent, X.p[k]);
+        km_complex_extend(extent, (km_complex)X.p[k]);
   }
   for (int i = 0; i < program->step_count; ++i) {
     const km_complex_pose *X = &c->slot[c->m->steps[program->step_start + i].to];
     for (int k = 0; k < 3; ++k) {
       if (weight.slot[i].p[k] != 0.0)
-        km_complex_extend(extent, X->p[k]);
+        km_complex_extend(extent, (km_complex)X->p[k]);
       for (int j = 0; j < 3; ++j)
         if (weight.slot[i].R[k][j] != 0.0)
-          km_complex_extend(extent, X->R[k][j]);
+          km_complex_extend(extent, (km_complex)X->R[k][j]);
     }
   }
 }

@@ -12,8 +12,8 @@ static const double contraction = 0.25; /* largest ratio of two corrections of N
 static const double first_step = 0.02, shortest_step = 1e-9, largest_growth = 2.5, least_growth = 0.3;
 /* Corrections at the end of a path. Those that no longer decrease are rounding up to the second size: solutions beside
  * a pole, with complex rotations of norm 1e2, lose four digits. */
-static const double final_correction = 1e-11, rounded_correction = 1e-6;
-static const double final_error = 1e-6; /* largest |H| at the end of a path: radians, sizes */
+static const double final_correction = 1e-11, rounded_correction = 1e-9;
+static const double final_error = 1e-6; /* largest |H| at the end of a path over the largest part of a pose */
 enum { MAX_STEPS = 500 };               /* a path takes some 40 steps, one that is lost beside a pole thousands */
 static const double infinite_angle = 60.0, infinite_length = 1e9; /* imaginary part; sizes */
 
@@ -194,15 +194,11 @@ static void path_rates(km_homotopy *h, const km_complex *x, km_complex section_v
     out[h->closure->length] = h->rates[n];
 }
 
-/* One step of Newton's method with the present factors. Returns its size, relative for s and lengths above 1. */
+/* One step of Newton's method with the present factors. Returns its size, relative for s. */
 static double correct(km_homotopy *h, km_complex *x) {
   int n = h->closure->size;
-  double largest = 0.0;
   km_complex_solve(h->J, h->size, h->size, h->row, h->F, h->step);
-  for (int i = 0; i < n; ++i) {
-    double size = fabs(creal(h->step[i])) + fabs(cimag(h->step[i]));
-    largest = size > largest || isnan(size) ? size : largest;
-  }
+  double largest = km_complex_step_size(h->closure, h->step, x);
   km_complex_move(h->closure, h->step, x);
   if (h->has_section) {
     double size = cabs(h->step[n]) / (1.0 + cabs(x[h->closure->length]));
@@ -263,8 +259,9 @@ static bool is_infinite(const km_homotopy *h, const km_complex *x) {
 /* True if the errors at the end of a path are rounding: Newton's method can converge to other points beside poles. */
 static bool is_solution(km_homotopy *h, const km_complex *x, km_complex *section_value) {
   bool is_small = linearise(h, x, section_value);
+  double largest = final_error * fmax(km_complex_pose_extent(h->closure, x).largest, 1.0);
   for (int i = 0; i < h->size; ++i)
-    is_small = is_small && cabs(h->F[i]) <= final_error;
+    is_small = is_small && cabs(h->F[i]) <= largest;
   return is_small;
 }
 

@@ -6,7 +6,8 @@
 /* Functionals of one solution differ by less than this between two ways to it, relative to 1 + |y|. */
 static const double same_solution = 1e-7;
 static const long max_evaluations = 4000000; /* work of one search; the largest published case takes a tenth of it */
-static const double retry_factor = 0.1;      /* lost paths: factor of the corrections that a step may have */
+enum { MOST_OWN_EDGES = 3 }; /* at given parameters: solutions that these miss are beside a pole */
+static const double retry_factor = 0.1; /* lost paths: factor of the corrections that a step may have */
 
 int km_fibre_find(const km_monodromy *g, const km_fibre *fibre, const km_complex *x) {
   km_complex mark[KM_FINGERPRINT];
@@ -16,6 +17,11 @@ int km_fibre_find(const km_monodromy *g, const km_fibre *fibre, const km_complex
     bool is_same = true;
     for (int k = 0; k < KM_FINGERPRINT && is_same; ++k)
       is_same = cabs(known[k] - mark[k]) <= same_solution * (1.0 + cabs(mark[k]));
+    if (is_same && g->h->has_section) {
+      km_complex s = x[g->h->closure->length];
+      is_same = cabs(fibre->points[(size_t)i * (size_t)g->h->length + (size_t)g->h->closure->length] - s) <=
+                same_solution * (1.0 + cabs(s));
+    }
     if (is_same)
       return i;
   }
@@ -147,6 +153,27 @@ bool km_monodromy_extend(km_monodromy *g, int nodes) {
     if (g->node_count >= KM_MAX_NODES || !add_node(g))
       return false;
   return saturate(g);
+}
+
+int km_monodromy_add(km_monodromy *g, const km_complex *parameters) {
+  int k = g->node_count, before = k - 1;
+  size_t bytes = (size_t)g->h->parameter_count * sizeof *parameters;
+  if (k >= KM_MAX_NODES)
+    return -1;
+  km_fibre *node = &g->node[k];
+  node->parameters = KM_NEW(km_complex, (size_t)g->h->parameter_count);
+  g->failed = g->failed || !node->parameters;
+  if (g->failed)
+    return -1;
+  ++g->node_count;
+  memcpy(node->parameters, parameters, bytes);
+  g->edge[g->edge_count++] = (km_fibre_edge){.node = {0, k}};
+  bool is_ok = saturate(g);
+  for (int i = 1; is_ok && i < MOST_OWN_EDGES && before > 0 && node->count < g->node[0].count; ++i, --before) {
+    g->edge[g->edge_count++] = (km_fibre_edge){.node = {before, k}};
+    is_ok = saturate(g);
+  }
+  return is_ok ? k : -1;
 }
 
 bool km_monodromy_search(km_monodromy *g, int quiet) {

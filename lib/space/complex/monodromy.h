@@ -51,12 +51,15 @@ typedef struct km_monodromy {
 
 /* Adds a solution unless it is known. Returns its index, −1 when out of memory. */
 int km_fibre_add(km_monodromy *g, km_fibre *fibre, const km_complex *x);
-/* Index of the solution with the bodies' poses of x; −1: none. */
+/* Index of the solution with the bodies' poses of x, and with its s on a section; −1: none. */
 int km_fibre_find(const km_monodromy *g, const km_fibre *fibre, const km_complex *x);
 
 /* Adds nodes and tracks all solutions along all edges. False: out of memory, cancelled, or more than `limit`
  * solutions. */
 bool km_monodromy_extend(km_monodromy *g, int nodes);
+/* Adds a node at given parameters with an edge to node 0, and further ones while it has fewer solutions than node 0.
+ * Returns its index; −1: as false of km_monodromy_extend. */
+int km_monodromy_add(km_monodromy *g, const km_complex *parameters);
 /* Adds nodes until `quiet` of them in turn brought no further solution to node 0. The caller has set the parameters
  * and at least one solution of node 0. False as km_monodromy_extend. */
 bool km_monodromy_search(km_monodromy *g, int quiet);

@@ -9,11 +9,12 @@ static const double same_mode_tolerance = 1e-7;
 /* Second difference of a sum, relative to the sum of sizes, that rounding explains. A missing point of some hundred
  * leaves 5e-9 and more at this change of τ; rounding leaves 1e-15, beside poles up to 2e-10. */
 static const double trace_tolerance = 5e-10;
-static const double trace_reach = 4.0; /* change of τ over the size of y: the larger, the more a missing point shows */
+static const double trace_reach = 2.8; /* change of τ over the size of y: the larger, the more a missing point shows */
 static const double largest_news = 0.04; /* share of new points in the last node for which a test is worthwhile */
 static const double least_reach = 1.0;   /* least change, if paths are lost with more */
 enum {
   TRIALS = 12,
+  DIRECTIONS = 6,
   SECTIONS = 10,
   FEW_SOLUTIONS = 8,
   QUIET_NODES_OF_FEW = 4,
@@ -62,56 +63,55 @@ static void place_section(search_state *w, uint64_t *random) {
     P[i] -= P[h->section_start] * h->direction[i];
 }
 
-/* Sums of y and s over all points after a change of τ; false if a path was lost. */
-static bool add_traces(search_state *w, km_complex change, km_complex sum[2], double *size) {
-  km_monodromy *g = &w->section;
-  const km_complex *P = g->node[0].parameters;
+/* Sums of y and s over all points of a node. */
+static void add_traces(const search_state *w, const km_fibre *fibre, km_complex sum[2], double *size) {
+  const km_homotopy *h = w->section.h;
   sum[0] = sum[1] = 0.0;
-  *size = 0.0;
-  memcpy(w->end, P, (size_t)g->h->parameter_count * sizeof *w->end);
-  w->end[g->h->section_start + 2] += change;
-  for (int i = 0; i < g->node[0].count; ++i) {
-    km_complex *x = point_of(w, g, i);
-    if (change != 0.0 && km_monodromy_track(g, P, w->end, x) != KM_PATH_ARRIVED)
-      return false;
-    km_complex y = km_complex_trace(g->h->closure, x);
+  for (int i = 0; i < fibre->count; ++i) {
+    const km_complex *x = fibre->points + (size_t)i * (size_t)h->length;
+    km_complex y = km_complex_trace(h->closure, x), s = x[h->closure->length];
     sum[0] += y;
-    sum[1] += x[g->h->closure->length];
-    *size += cabs(y) + cabs(x[g->h->closure->length]);
+    sum[1] += s;
+    *size += cabs(y) + cabs(s);
   }
-  return true;
 }
 
-/* The trace test; NaN if a path was lost. */
+/* Adds a node of the section with another τ. Returns its index; −1: it hasn't all points. */
+static int add_section_node(search_state *w, km_complex change) {
+  km_monodromy *g = &w->section;
+  memcpy(w->end, g->node[0].parameters, (size_t)g->h->parameter_count * sizeof *w->end);
+  w->end[g->h->section_start + 2] += change;
+  int node = km_monodromy_add(g, w->end);
+  return node >= 0 && g->node[node].count == g->node[0].count ? node : -1;
+}
+
+/* The trace test with nodes at two changes of τ; NaN if they haven't all points. */
 static double trace_difference(search_state *w, double reach, uint64_t *random) {
-  km_complex sum[3][2], change = reach * w->section.h->functional_size * km_complex_random(random);
-  double size[3], largest = 0.0;
+  km_monodromy *g = &w->section;
+  km_complex sum[3][2], change = reach * g->h->functional_size * km_complex_random(random);
+  int first = add_section_node(w, change), second = first < 0 ? -1 : add_section_node(w, 2.0 * change);
+  if (second < 0 || g->node[first].count != g->node[0].count)
+    return nan("");
+  const int node[3] = {0, first, second};
+  double size = 0.0, largest = 0.0;
   for (int k = 0; k < 3; ++k)
-    if (!add_traces(w, k * change, sum[k], &size[k]))
-      return nan("");
+    add_traces(w, &g->node[node[k]], sum[k], &size);
   for (int j = 0; j < 2; ++j)
-    largest = fmax(largest, cabs(sum[0][j] - 2.0 * sum[1][j] + sum[2][j]) / (size[0] + size[1] + size[2]));
+    largest = fmax(largest, cabs(sum[0][j] - 2.0 * sum[1][j] + sum[2][j]) / size);
   return largest;
 }
 
-/* Tracks the section to τ = 0 and adds the points with s = s_0 to the solutions. False if a path was lost. */
+/* Moves the section to τ = 0 and adds the points with s = s_0 to the solutions. False if points were lost. */
 static bool collect_fibre(search_state *w) {
   km_monodromy *g = &w->section;
   const km_complex *P = g->node[0].parameters;
-  int start = g->h->section_start, length = g->h->closure->length;
-  memcpy(w->end, P, (size_t)g->h->parameter_count * sizeof *w->end);
-  w->end[start + 2] = 0.0;
-  bool is_ok = true;
-  for (int i = 0; i < g->node[0].count; ++i) {
-    km_complex *x = point_of(w, g, i);
-    if (km_monodromy_track(g, P, w->end, x) != KM_PATH_ARRIVED) {
-      is_ok = false;
-      continue;
-    }
+  int start = g->h->section_start, length = g->h->closure->length, node = add_section_node(w, -P[start + 2]);
+  for (int i = 0; node >= 0 && i < g->node[node].count; ++i) {
+    const km_complex *x = g->node[node].points + (size_t)i * (size_t)g->h->length;
     if (cabs(x[length] - P[start]) < cabs(km_complex_trace(g->h->closure, x) - P[start + 1]))
       km_fibre_add(&w->out->graph, &w->out->graph.node[0], x);
   }
-  return is_ok;
+  return node >= 0;
 }
 
 static bool goes_on(const search_state *w) {
@@ -129,22 +129,29 @@ static double functional_size(const km_monodromy *g) {
   return sqrt(sum / g->node[0].count);
 }
 
-/* The trace test in two directions; with less reach where paths are lost. */
+/* The trace test in two directions; with less reach where points are lost. Returns the larger difference, or the first
+ * one that doesn't pass. */
 static double test_traces(search_state *w, uint64_t *random) {
-  double largest = nan("");
-  for (double reach = trace_reach; isnan(largest) && reach > least_reach; reach *= 0.7)
-    largest = trace_difference(w, reach, random);
-  if (!(largest <= trace_tolerance))
-    return largest;
-  double other = nan("");
-  for (double reach = trace_reach; isnan(other) && reach > least_reach; reach *= 0.7)
-    other = trace_difference(w, reach, random);
-  return other <= largest ? largest : other;
+  double largest = 0.0, reach = trace_reach;
+  for (int i = 0, passed = 0; i < DIRECTIONS; ++i) {
+    double difference = trace_difference(w, reach, random);
+    if (difference > trace_tolerance)
+      return difference;
+    if (isnan(difference)) {
+      reach = fmax(0.7 * reach, least_reach);
+      continue;
+    }
+    largest = fmax(largest, difference);
+    if (++passed == 2)
+      return largest;
+  }
+  return nan("");
 }
 
 /* Extends both graphs until the trace test passes on one section; false: it did not, or paths were lost. */
 static bool test_section(search_state *w, uint64_t *random) {
   km_fibre_search *out = w->out;
+  int tested = 0; /* points of the last test: another one with as many has the same result */
   for (int trial = 0; trial < TRIALS && goes_on(w); ++trial) {
     int known = w->section.node[0].count;
     if (!km_monodromy_extend(&w->section, trial == 0 ? SECTION_NODES : 1))
@@ -156,8 +163,9 @@ static bool test_section(search_state *w, uint64_t *random) {
     out->trace_difference = test_traces(w, random);
     if (out->trace_difference <= trace_tolerance && out->section_points > before)
       return collect_fibre(w);
-    if (isnan(out->trace_difference) || !km_monodromy_extend(&out->graph, 1))
+    if (isnan(out->trace_difference) || tested == out->section_points || !km_monodromy_extend(&out->graph, 1))
       return false;
+    tested = out->section_points;
     begin_section(w, before);
   }
   return false;
