@@ -6,7 +6,7 @@
 /* Functionals of one solution differ by less than this between two ways to it, relative to 1 + |y|. */
 static const double same_solution = 1e-7;
 static const long max_evaluations = 4000000; /* work of one search; the largest published case takes a tenth of it */
-enum { MOST_OWN_EDGES = 3 }; /* at given parameters: solutions that these miss are beside a pole */
+enum { MOST_OWN_EDGES = 3 }; /* edges of a node with given parameters; solutions that these miss are beside a pole */
 static const double retry_factor = 0.1; /* lost paths: factor of the corrections that a step may have */
 
 int km_fibre_find(const km_monodromy *g, const km_fibre *fibre, const km_complex *x) {
