@@ -265,7 +265,7 @@ static void a_map_has_closed_configurations(void **unused) {
   for (uint32_t r = 0; r < rows; ++r) {
     const double *c = curve + r * columns; /* curve kind q.A q.B q.C q.D q.E; the cranks stand up at 0 */
     double x = 1.0 - 0.6 * sin(c[6]) + 0.6 * sin(c[2]), y = 0.6 * cos(c[6]) - 0.6 * cos(c[2]);
-    assert_true(fabs(hypot(x, y) - 1.8) <= 1e-9);
+    assert_true(fmin(fabs(hypot(x, y) - 1.8), hypot(x, y)) <= 1e-9); /* the rods are stretched or folded */
   }
   km_text_free(&answer.bytes);
   expect(&s, "4 map 0 4 -2 2 -2 2 201", "error");

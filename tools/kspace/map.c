@@ -111,8 +111,9 @@ typedef struct map_answer {
 } map_answer;
 
 static kt_exit write_picture(const map_answer *a, kt_format format) {
-  const km_map_look look = {
-      .column = shown_column(a->o, &a->def), .over_point = a->o->over_point, .title = a->o->model};
+  char title[256];
+  kt_base_name(a->o->model, title, sizeof title);
+  const km_map_look look = {.column = shown_column(a->o, &a->def), .over_point = a->o->over_point, .title = title};
   km_text out = {0};
   km_error error;
   km_status status = format == KT_HTML ? km_space_map_page(a->pose->mechanism, &a->def, &a->map, &look, &out, &error)

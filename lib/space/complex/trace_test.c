@@ -224,8 +224,7 @@ static bool create(search_state *w, uint64_t *random, km_arena *arena) {
   out->graph.h = &out->homotopy;
   w->section.h = &out->section;
   out->graph.node[0].parameters = KM_NEW(km_complex, (size_t)out->homotopy.parameter_count);
-  out->graph.failed = arena->failed || !out->graph.node[0].parameters;
-  return !out->graph.failed;
+  return !arena->failed && out->graph.node[0].parameters;
 }
 
 km_status km_fibre_search_run(km_complex_closure *closure, const km_complex *centre, int limit, uint64_t *random,
@@ -234,7 +233,8 @@ km_status km_fibre_search_run(km_complex_closure *closure, const km_complex *cen
   *out = (km_fibre_search){.trace_difference = nan("")};
   out->graph = (km_monodromy){.random = random, .limit = limit, .progress = progress, .context = context};
   search_state w = {.out = out, .section = out->graph, .closure = closure, .centre = centre};
-  if (create(&w, random, arena)) {
+  out->graph.failed = !create(&w, random, arena);
+  if (!out->graph.failed) {
     km_homotopy_begin(&out->homotopy, centre, random, w.x, out->graph.node[0].parameters);
     km_fibre_add(&out->graph, &out->graph.node[0], w.x);
     /* Bodies that cannot move have one mode: a generic configuration has the poses of the closed one. */
