@@ -230,7 +230,7 @@ class Mechanism:
     def space_map(self, over: Any, *, point: Optional[str] = None, ask: str = "mobility", own: bool = False, limits: bool = False,
                   clearance: Optional[float] = None, seed: int = 1, progress: Progress = None, state: Optional[State] = None) -> Any:
         """A map over two drivers, {label: (from, to, values)} (a SpaceMap): one sheet for each assembly mode at a state, and
-        the singularity curves of the drivers. point: "body/frame" of a planar mechanism, with its workspace. ask: "advantage",
+        the singularity curves of the drivers. point: "body/frame" that moves on a plane or a sphere, with its workspace. ask: "advantage",
         "forces" or "clearance" adds these to each cell. own: the sheet of the state only. limits: leaves out cells beyond the
         joint limits; clearance: those in which bodies are nearer than so much."""
         from .space import space_map

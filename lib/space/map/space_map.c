@@ -10,9 +10,8 @@
 
 enum {
   LEAST_CELLS = 10 /* grid points of a sheet that begins at a curve or at random */,
-  SPREAD_POINTS = 2048, /* grid points that may be random starts */
+  SPREAD_POINTS = 1024, /* grid points that may be random starts */
   SPREAD_STRIDE = 32,
-  MOST_STARTS = 128,  /* starts at grid points without a sheet */
   CLOSING_ROUNDS = 4, /* eight steps of Newton's method each */
   CURVE_STRIDE = 4    /* points of a curve from one start of sheets to the next */
 };
@@ -384,12 +383,10 @@ static double van_der_corput(int i, int base) {
 static km_status follow_sheets_of_random_starts(km_map_search *g, const double *home, km_error *error) {
   km_status status = KM_OK;
   uint64_t random = 11;
-  int starts = 0;
   for (int i = 1; !status && i <= SPREAD_POINTS; ++i) {
     int cell = (int)(van_der_corput(i, 2) * g->across) + (int)(van_der_corput(i, 3) * g->down) * g->across;
-    if (i % SPREAD_STRIDE != 0 && (g->known[cell] || starts == MOST_STARTS))
+    if (i % SPREAD_STRIDE != 0 && g->known[cell])
       continue;
-    starts += !g->known[cell];
     if (close_at_random(g, cell, home, &random))
       status = follow_sheet(g, g->last_sheet + 1, LEAST_CELLS, error);
   }

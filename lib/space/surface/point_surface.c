@@ -69,6 +69,10 @@ km_status km_point_surface_fit(const km_vec3 *places, int count, km_point_surfac
   for (int i = 0; i < count; ++i)
     mean = km_vec3_axpy(1.0 / count, places[i], mean);
   double extent = extent_of(places, count, mean);
+  if (!(extent > 0.0)) {
+    km_arena_free(&arena);
+    return km_fail(error, KM_USAGE, "the point doesn't move; expected one that both drivers move");
+  }
   for (int i = 0; !arena.failed && i < count; ++i) {
     km_vec3 y = km_vec3_scale(1.0 / extent, km_vec3_sub(places[i], mean));
     A[i] = km_vec3_dot(y, y);
