@@ -7,7 +7,8 @@
 static const double same_mode_tolerance = 1e-7;
 
 /* Second difference of a sum, relative to the sum of sizes, that rounding explains. A missing point of some hundred
- * leaves 5e-9 and more at this change of τ; rounding leaves 1e-15, beside poles up to 2e-10. */
+ * left 5e-9 and more at a change of 4, so by its square 2.4e-9 at 2.8, which is not measured. Rounding leaves 1e-15,
+ * beside poles up to 2e-10. */
 static const double trace_tolerance = 5e-10;
 static const double trace_reach = 2.8; /* change of τ over the size of y: the larger, the more a missing point shows */
 static const double largest_news = 0.04; /* share of new points in the last node for which a test is worthwhile */
