@@ -51,7 +51,8 @@ typedef struct km_space_volume {
   int undecided;                  /* attempts ended otherwise */
   int split_cells;                /* cells of which one sample is reached */
   int configurations;             /* known configurations from which the point was moved */
-  bool is_complete;               /* the last round of attempts reached no sample */
+  bool is_complete;               /* no attempts were left, and climbs from the reached samples found no larger
+                                   * box */
   km_table *points;               /* point. x y z, reached (1, 0, −1: undecided), q. of every coordinate where it is
                                    * reached, else NaN: a row for each sample */
 } km_space_volume;

@@ -1,6 +1,6 @@
 /* Curves on a surface of configurations (space/curves/surface_curves.h): which are known, and their rows.
  *
- *   known : a point of a known curve is near, or the distance from the interpolant of two of its points is 0 */
+ *   known : a point of a known curve is near, or the interpolant of two of its points is nearer than 1e-5 */
 #include "base/number/cubic.h"
 #include "base/number/vectors.h"
 #include "space/curves/curve_search.h"

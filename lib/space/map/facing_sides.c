@@ -35,22 +35,24 @@ static int facing_aspect(km_workspace_search *w, int piece, const km_curve_point
   return km_piece_has_signs(w, side->signs) ? side->aspect : 0;
 }
 
+/* The nearest piece of those with a finite distance; −1: none. */
+static int nearest_piece(const km_workspace_search *w, const double *distance) {
+  int nearest = -1;
+  for (int k = 0; k < w->piece_count; ++k)
+    if (isfinite(distance[k]) && (nearest < 0 || distance[k] < distance[nearest]))
+      nearest = k;
+  return nearest;
+}
+
 /* Aspect of the nearest side that faces a configuration and has its signs; 0: none. */
 static int nearest_aspect(km_workspace_search *w, const double *saved, double *distance, size_t *point) {
-  int aspect = 0, nearest = 0;
-  for (int k = 0; k < w->piece_count; ++k) {
-    km_driver_surface_restore(&w->g->f, saved);
+  int aspect = 0;
+  km_driver_surface_restore(&w->g->f, saved);
+  for (int k = 0; k < w->piece_count; ++k)
     point[k] = nearest_point(w, k, &distance[k]);
-  }
-  while (aspect == 0 && nearest >= 0) {
-    nearest = -1;
-    for (int k = 0; k < w->piece_count; ++k)
-      if (isfinite(distance[k]) && (nearest < 0 || distance[k] < distance[nearest]))
-        nearest = k;
-    if (nearest < 0)
-      continue;
-    aspect = facing_aspect(w, nearest, &w->points[point[nearest]], saved);
-    distance[nearest] = HUGE_VAL;
+  for (int k = nearest_piece(w, distance); aspect == 0 && k >= 0; k = nearest_piece(w, distance)) {
+    aspect = facing_aspect(w, k, &w->points[point[k]], saved);
+    distance[k] = HUGE_VAL;
   }
   return aspect;
 }

@@ -111,8 +111,8 @@ static bool write_part(km_workspace_search *w, const km_outline_part *part, bool
   return is_ok && (!is_last || add_boundary_row(w, part, part->to));
 }
 
-/* Least N of grid points that aren't on the outline: of at most MOST_CHECKED, all or those of one aspect. *outside: how
- * many have N <= 0. */
+/* Least N of grid points that aren't on the outline, at most 1: of at most MOST_CHECKED, all or those of one aspect.
+ * *outside: how many have N <= 0. */
 static int least_count(km_workspace_search *w, int aspect, int *checked, int *outside) {
   const km_table *t = w->g->out->cells;
   size_t rows = km_table_rows(t), column = km_table_span(t, "point.").first, stride = 1 + rows / MOST_CHECKED;

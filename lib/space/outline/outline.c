@@ -101,11 +101,8 @@ static bool is_on_outline(const km_curve_net *net, const int *jump, km_outline_p
 
 /* Length of a part by two chords. */
 static double length_of(const km_curve_net *net, const km_outline_part *part) {
-  double from[2], to[2], middle[2], rate[2];
-  km_curve_net_place(net, part->piece, part->from, from, rate);
-  km_curve_net_place(net, part->piece, part->to, to, rate);
-  km_curve_net_place(net, part->piece, 0.5 * (part->from + part->to), middle, rate);
-  return hypot(middle[0] - from[0], middle[1] - from[1]) + hypot(to[0] - middle[0], to[1] - middle[1]);
+  double middle = 0.5 * (part->from + part->to);
+  return chord(net, part->piece, part->from, middle) + chord(net, part->piece, middle, part->to);
 }
 
 /* Place of an end of a part, and the chord of the part there in its sense: the rate is 0 at a cusp. */

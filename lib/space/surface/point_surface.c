@@ -7,7 +7,7 @@
 
 enum { TERMS = 4 /* columns |p|², x, y, z */ };
 static const double fitted = 1e-9;    /* smallest singular value of places on a surface: their own error is 1e-12 */
-static const double curved = 1e-9;    /* magnitude of a by the places' extent; a smaller one is a plane's */
+static const double curved = 1e-9;    /* |a| / |b|, places over their extent; a smaller one is a plane's */
 static const double spread = 1e-6;    /* second smallest singular value of places that are not on a circle */
 static const double rounding = 1e-12; /* error of the centre, by the radius */
 
@@ -140,7 +140,7 @@ void km_point_surface_chart(const km_point_surface *s, km_vec3 place, double cha
 }
 
 void km_point_surface_chart_rate(const km_point_surface *s, km_vec3 place, km_vec3 velocity, double rate[2]) {
-  double k = 1.0, change = 0.0; /* dk / k by R */
+  double k = 1.0, change = 0.0; /* R dk/k */
   km_vec3 n = normal_at(s, place);
   if (s->radius != 0.0) {
     double sum = 1.0 + km_vec3_dot(axis(s, 2), n);

@@ -1,4 +1,5 @@
-/* Damped least-squares step with bounds (J. Nocedal, S. Wright, Numerical Optimization, 2006, algorithm 16.3).
+/* Damped least-squares step with bounds, by active rows from the free step on (as D. Goldfarb, A. Idnani 1983, but
+ * without their step lengths).
  *
  *   min ½ |A w − d|² + ½ ε |w|²   subject to   N w <= s
  *   active rows S:   (H  N_Sᵀ; N_S  0) (w; λ) = (Aᵀ d; s_S),   H = Aᵀ A + ε I,   λ >= 0 */
@@ -25,7 +26,8 @@ typedef struct km_bounded_step {
 
 /* Allocates for matrices of up to 3 rows. False when out of memory. */
 bool km_bounded_step_create(km_bounded_step *step, int most_columns, int most_bounds, km_arena *arena);
-/* Finds w. False if no step satisfies the bounds, or rounding keeps the method from ending. O(active · columns³). */
+/* Finds w. False if the active rows depend on each other, more bounds are exceeded than columns, or rounding keeps the
+ * method from ending: a step within the bounds may exist then. O(active · columns³). */
 bool km_bounded_step_find(km_bounded_step *step, const double *d, double epsilon);
 /* |d|² − |d − A w|²: what the step takes from the square of the distance. */
 double km_bounded_step_decrease(const km_bounded_step *step, const double *d);

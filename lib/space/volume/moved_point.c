@@ -307,7 +307,7 @@ static double taken_part(const km_moved_point *p) {
   return length > longest_step ? longest_step / length : 1.0;
 }
 
-/* Moves within the bounds by least steps, at most so many. */
+/* Moves back within the bounds by `most` minimum-norm steps. False: a bound is still exceeded. */
 static bool return_to_bounds(km_moved_point *p, int most) {
   static const double rest[3] = {0.0, 0.0, 0.0};
   for (int i = 0; i < most && excess(p) > 0.0; ++i) {

@@ -52,7 +52,7 @@ void km_moved_point_restore(km_moved_point *p, const double *saved);
 /* Closes the loops anew and updates Z, A and x. False if they are open, or a bound is exceeded: then
  * km_moved_point_return may help. */
 bool km_moved_point_begin(km_moved_point *p);
-/* Moves within the bounds by least steps. */
+/* Moves back within the bounds by minimum-norm steps. False: a bound is still exceeded. */
 bool km_moved_point_return(km_moved_point *p);
 /* Rank of A, singular values below 1e-6 of the largest left out. */
 int km_moved_point_rank(km_moved_point *p);

@@ -124,7 +124,7 @@ static void attempt_share(void *context, int job) {
 static void place_samples(km_volume_search *g) {
   const km_space_volume *out = g->out;
   for (int i = 0; i < out->samples; ++i) {
-    uint64_t random = (uint64_t)g->def->seed * 0x9E3779B97F4A7C15u + (uint64_t)i * 0xD1B54A32D192ED03u;
+    uint64_t random = km_volume_random(g, i);
     g->samples[i] = (km_volume_sample){.nearest_tried = HUGE_VAL};
     for (int k = 0, cell = i / 2; k < out->dimension; ++k) {
       double width = (out->box_high[k] - out->box_low[k]) / out->cells[k];

@@ -59,6 +59,11 @@ bool km_volume_add_known(km_volume_search *g, const double *x, const double *sav
 /* Finds the first configurations by random closures, unless only the own circuit counts, and by motions from there; the
  * plane or space of the point; and the box. */
 km_status km_volume_start(km_volume_search *g, const km_state *state, km_error *error);
+/* State of the random numbers of closure, motion or sample `number`: each has its own sequence. */
+static inline uint64_t km_volume_random(const km_volume_search *g, int number) {
+  return (uint64_t)g->def->seed * 0x9E3779B97F4A7C15u + (uint64_t)number * 0xD1B54A32D192ED03u;
+}
+
 /* Climbs along each axis from the configurations that are farthest there. *is_grown: the box was too small. */
 km_status km_volume_find_box(km_volume_search *g, bool *is_grown, km_error *error);
 /* Decides the samples of the box. */

@@ -4,6 +4,7 @@
  *   motions  : straight in the tangent space from a known configuration, carried on, until a bound or about a turn
  *   plane    : the points' differences d_i by Gram-Schmidt, the longest remainder first; its normal is orthogonal
  *   box      : extrema of each coordinate, by climbs from the farthest known points; 0.5 % more at each end */
+#include "space/surface/point_surface.h"
 #include "space/volume/volume_search.h"
 
 #include "base/random.h"
@@ -46,12 +47,8 @@ typedef struct batch {
   made (*make)(const struct batch *batch, km_moved_point *p, int index); /* makes one */
 } batch;
 
-static uint64_t random_of(const km_volume_search *g, int number) {
-  return (uint64_t)g->def->seed * 0x9E3779B97F4A7C15u + (uint64_t)number * 0xD1B54A32D192ED03u;
-}
-
 static made make_closure(const batch *b, km_moved_point *p, int index) {
-  uint64_t random = random_of(b->g, b->first + index);
+  uint64_t random = km_volume_random(b->g, b->first + index);
   bool is_closed;
   km_moved_point_restore(p, b->g->home);
   if (km_moved_point_assemble(p, &random, &is_closed))
@@ -60,7 +57,7 @@ static made make_closure(const batch *b, km_moved_point *p, int index) {
 }
 
 static made make_motion(const batch *b, km_moved_point *p, int index) {
-  uint64_t random = random_of(b->g, CLOSURES + b->first + index);
+  uint64_t random = km_volume_random(b->g, CLOSURES + b->first + index);
   km_moved_point_restore(p, b->g->known[(int)km_splitmix(&random, 0.0, b->g->known_count)].saved);
   if (!km_moved_point_begin(p))
     return MADE_NONE;
@@ -163,19 +160,18 @@ static int find_directions(const km_volume_search *g, km_vec3 *directions) {
   return 3;
 }
 
-/* Axes of the plane of two directions: x or y projected, and the one orthogonal to it. */
+/* Takes the plane of two directions. */
 static void set_plane(km_volume_search *g, const km_vec3 *directions) {
   static const km_vec3 axes[3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
   km_vec3 n = km_vec3_cross(directions[0], directions[1]), axis[2];
   for (int i = 0; i < 3; ++i)
     if (km_vec3_norm(km_vec3_cross(n, axes[i])) < flat)
       n = axes[i];
-  axis[0] = km_vec3_axpy(-n.x, n, axes[0]);
-  if (!(fabs(n.x) < 0.9))
-    axis[0] = km_vec3_axpy(-n.y, n, axes[1]);
-  axis[0] = km_vec3_scale(1.0 / km_vec3_norm(axis[0]), axis[0]);
-  axis[1] = km_vec3_cross(n, axis[0]);
-  g->origin = km_vec3_scale(km_vec3_dot(n, km_vec3_from_array(g->known[0].x)), n);
+  km_point_surface plane;
+  km_point_surface_set_plane(&plane, n, km_vec3_from_array(g->known[0].x));
+  for (int k = 0; k < 2; ++k)
+    axis[k] = km_vec3_from_array(plane.axis[k]);
+  g->origin = km_vec3_from_array(plane.origin);
   for (int j = 0; j < g->jobs; ++j) {
     g->point[j].dimension = 2;
     memcpy(g->point[j].axis, axis, sizeof axis);
@@ -224,7 +220,7 @@ km_status km_volume_start(km_volume_search *g, const km_state *state, km_error *
 
 /* Known configurations from which climbs along an axis begin: the farthest, and others by chance. */
 static void choose_starts(const km_volume_search *g, int axis, double sense, int *from) {
-  uint64_t random = random_of(g, -1 - axis);
+  uint64_t random = km_volume_random(g, -1 - axis);
   for (int k = 0; k < CLIMBS; ++k) {
     from[k] = (int)km_splitmix(&random, 0.0, g->known_count);
     for (int i = 0; k < CLIMBS / 2 && i < g->known_count; ++i) {

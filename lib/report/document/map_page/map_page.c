@@ -17,8 +17,7 @@
 #include <string.h>
 
 enum { MOST_INTERVALS = 100 }; /* most intervals of an axis; of finer maps the page keeps every k-th grid point */
-static const double farthest_sheet = 0.5; /* radians: a sheet that is farther away than another one by so much doesn't
-                                           * meet it at the curve */
+static const double farthest_sheet = 0.5; /* radians: sheets that meet at a curve differ by less beside it */
 
 typedef struct map_page {
   const km_mechanism *m;
@@ -281,10 +280,11 @@ static void add_body(const map_page *p) {
   km_text_free(&words);
   if (p->stride > 1)
     km_text_format(p->out, "every %d. grid point of the table · ", p->stride);
-  km_text_add(p->out,
-              "curves are as high as the grid points beside them · values beyond the colours have the height of the ends · drag, arrow keys: turn · wheel, two fingers, "
-              "+ and −: zoom · Home: as at first · Shift and arrow keys: move the mark</p></div>\n"
-              "<noscript><p>The surfaces need the script of this page.</p></noscript>\n");
+  km_text_add(
+      p->out,
+      "curves are as high as the grid points beside them · values beyond the colours have the height of the ends · drag, arrow keys: turn · wheel, two fingers, "
+      "+ and −: zoom · Home: as at first · Shift and arrow keys: move the mark</p></div>\n"
+      "<noscript><p>The surfaces need the script of this page.</p></noscript>\n");
 }
 
 km_status km_space_map_page(const km_mechanism *mechanism, const km_space_map_def *def, const km_space_map *map,
