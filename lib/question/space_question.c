@@ -143,10 +143,13 @@ static km_status answer_modes(km_question *q, km_state *s, km_error *error) {
   km_all_modes_def def = {.within_limits = limits && limits->flag, .seed = SEED};
   km_all_modes modes = {0};
   km_mode_circuits circuits = {0};
+  km_progress_stage stage = {.progress = q->progress, .context = q->context};
   def.locked_count = count_locked(q, &def.locked, &driver);
-  km_status status = km_all_modes_find(q->m, s, &def, q->progress, q->context, &modes, error);
+  km_progress_stage_next(&stage, 0.8);
+  km_status status = km_all_modes_find(q->m, s, &def, km_progress_stage_report, &stage, &modes, error);
+  km_progress_stage_next(&stage, 1.0);
   if (!status)
-    status = km_mode_circuits_find(q->m, s, &def, &modes, q->progress, q->context, &circuits, error);
+    status = km_mode_circuits_find(q->m, s, &def, &modes, km_progress_stage_report, &stage, &circuits, error);
   if (!status) {
     o->gap = modes.gap;
     o->is_lost = circuits.gap == KM_CIRCUIT_GAP_LOST;
@@ -319,9 +322,12 @@ static km_status compute_maps(km_question *q, km_state *s, const km_space_map_de
   bool has_conditions = def->within_limits || def->clearance;
   free_def.within_limits = false;
   free_def.clearance = NULL;
-  km_status status = km_space_map_compute(q->m, s, def, own, q->progress, q->context, &map, error);
+  km_progress_stage stage = {.progress = q->progress, .context = q->context};
+  km_progress_stage_next(&stage, has_conditions ? 0.5 : 1.0);
+  km_status status = km_space_map_compute(q->m, s, def, own, km_progress_stage_report, &stage, &map, error);
+  km_progress_stage_next(&stage, 1.0);
   if (!status && has_conditions)
-    status = km_space_map_compute(q->m, s, &free_def, own, q->progress, q->context, &all, error);
+    status = km_space_map_compute(q->m, s, &free_def, own, km_progress_stage_report, &stage, &all, error);
   if (!status) {
     o->table = km_table_create();
     if (!fill_map(q->m->model, def, map.cells, has_conditions ? all.cells : map.cells, o->table))

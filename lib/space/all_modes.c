@@ -15,6 +15,8 @@
 #include <string.h>
 
 enum { MOST_STARTS = 1000 /* random configurations, where the state doesn't close */ };
+/* Parts of the work: solutions over the complex numbers, their way to the closed loops; the list is the rest. */
+static const double share_of_graph = 0.8, share_of_ends = 0.15;
 
 /* One mode before the result is written. */
 typedef struct found_mode {
@@ -38,8 +40,8 @@ typedef struct modes_search {
   km_real_endpoints ends;
   found_mode *modes;
   int count;
-  km_progress progress;
-  void *context;
+  km_progress_stage stage;
+  bool is_stopped; /* `progress` ended a stage; those behind it are not stopped again */
 } modes_search;
 
 const char *km_mode_gap_name(km_mode_gap gap) {
@@ -154,13 +156,23 @@ static bool is_singular(modes_search *f) {
   return km_factor_freedom(p) > f->passive;
 }
 
+/* Notes that `progress` ended a stage; the result is what is known by then. */
+static km_status note_stop(modes_search *f, km_status status) {
+  if (status != KM_CANCELLED)
+    return status;
+  f->is_stopped = true;
+  f->stage.progress = NULL;
+  return KM_OK;
+}
+
 /* Judges a singular mode: it moves, unless no finite motion leads on. */
 static km_status judge_motion(modes_search *f, km_mode_evidence *evidence, km_error *error) {
   km_finite_mobility finite;
-  km_status status = km_finite_mobility_find(f->m, f->s, f->progress, f->context, &finite, error);
-  evidence->moves = !status && (finite.undecided || finite.mobility > f->passive);
+  km_status status = km_finite_mobility_find(f->m, f->s, km_progress_stage_report, &f->stage, &finite, error);
+  evidence->moves =
+      status == KM_CANCELLED || (!status && (finite.undecided || finite.mobility > f->passive)); /* unless shown */
   km_finite_mobility_free(&finite);
-  return status;
+  return note_stop(f, status);
 }
 
 /* Adds the state's configuration as a mode, unless it is known. */
@@ -249,12 +261,12 @@ static km_status collect_modes(modes_search *f, bool *is_first_found, km_error *
 /* ---- The result. */
 
 /* Decides the verdict. */
-static void judge_completeness(const modes_search *f, const km_fibre_search *search, bool is_stopped,
-                               bool is_first_found, km_all_modes *out) {
+static void judge_completeness(const modes_search *f, const km_fibre_search *search, bool is_first_found,
+                               km_all_modes *out) {
   bool moves = false;
   for (int i = 0; i < f->count; ++i)
     moves = moves || f->modes[i].evidence.moves;
-  out->gap = is_stopped                                     ? KM_GAP_STOPPED
+  out->gap = f->is_stopped                                  ? KM_GAP_STOPPED
              : moves                                        ? KM_GAP_MOVES
              : search->is_exhausted && !search->is_complete ? KM_GAP_LIMIT
              : !search->is_complete                         ? KM_GAP_TRACE
@@ -312,28 +324,23 @@ static km_status write_modes(modes_search *f, km_all_modes *out, km_error *error
   return is_ok ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the assembly modes");
 }
 
-/* Follows the solutions over the complex numbers, and those found to the closed loops; after a stop without another
- * one. *is_stopped: `progress` ended either. */
+/* Follows the solutions over the complex numbers, and those found to the closed loops. */
 static km_status follow_solutions(modes_search *f, const km_complex *centre, uint64_t *random, km_fibre_search *search,
-                                  bool *is_stopped, km_error *error) {
+                                  km_error *error) {
   int limit = f->def->max_solutions > 0 ? f->def->max_solutions : KM_DEFAULT_MODE_SOLUTIONS;
-  km_status status =
-      km_fibre_search_run(&f->closure, centre, limit, random, &f->arena, f->progress, f->context, search, error);
-  *is_stopped = status == KM_CANCELLED;
-  if (*is_stopped) {
-    search->graph.cancelled = false;
-    search->graph.progress = NULL;
-  }
-  if (!status || *is_stopped)
-    status = km_real_endpoints_find(search, &f->closure, &f->work, &f->arena, &f->ends, error);
-  *is_stopped = *is_stopped || status == KM_CANCELLED;
-  return status == KM_CANCELLED ? KM_OK : status;
+  km_progress_stage_next(&f->stage, share_of_graph);
+  km_status status = note_stop(f, km_fibre_search_run(&f->closure, centre, limit, random, &f->arena,
+                                                      km_progress_stage_report, &f->stage, search, error));
+  search->graph.cancelled = false;
+  km_progress_stage_next(&f->stage, share_of_graph + share_of_ends);
+  return status ? status
+                : note_stop(f, km_real_endpoints_find(search, &f->closure, &f->work, &f->arena, &f->ends, error));
 }
 
 /* The search from a locked and closed state. */
 static km_status search_modes(modes_search *f, km_all_modes *out, km_error *error) {
   uint64_t random = 2 * (uint64_t)f->def->seed + 1;
-  bool is_first_found = false, is_stopped = false;
+  bool is_first_found = false;
   km_fibre_search search = {0};
   km_status status = compile_system(f, &random, error);
   km_complex *centre = status ? NULL : KM_ARENA_NEW(&f->arena, km_complex, (size_t)f->closure.length);
@@ -341,17 +348,18 @@ static km_status search_modes(modes_search *f, km_all_modes *out, km_error *erro
     status = km_fail(error, KM_MEMORY, "out of memory for the assembly modes");
   if (!status) {
     km_complex_from_state(&f->closure, f->s, centre);
-    status = follow_solutions(f, centre, &random, &search, &is_stopped, error);
+    status = follow_solutions(f, centre, &random, &search, error);
   }
+  km_progress_stage_next(&f->stage, 1.0);
   if (!status)
     status = collect_modes(f, &is_first_found, error);
   if (!status)
     status = write_modes(f, out, error);
   if (!status)
-    judge_completeness(f, &search, is_stopped, is_first_found, out);
+    judge_completeness(f, &search, is_first_found, out);
   km_fibre_search_free(&search);
   km_free(f->ends.items);
-  return !status && is_stopped ? km_fail(error, KM_CANCELLED, "stopped while assembly modes were searched") : status;
+  return !status && f->is_stopped ? km_fail(error, KM_CANCELLED, "stopped while assembly modes were searched") : status;
 }
 
 km_status km_all_modes_find(const km_mechanism *m, const km_state *s, const km_all_modes_def *def, km_progress progress,
@@ -359,7 +367,7 @@ km_status km_all_modes_find(const km_mechanism *m, const km_state *s, const km_a
   if (!out)
     return km_check_given(false, "place for the result", error);
   *out = (km_all_modes){.trace_difference = nan("")};
-  modes_search f = {.m = m, .original = s, .def = def, .progress = progress, .context = context};
+  modes_search f = {.m = m, .original = s, .def = def, .stage = {.progress = progress, .context = context}};
   km_status status = km_check_state(m, s, error);
   if (!status)
     status = km_check_given(def != NULL, "definition of the search", error);

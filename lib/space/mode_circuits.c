@@ -60,7 +60,8 @@ typedef struct circuit_search {
   double *rates;      /* [coordinate] */
   branch_point *branches;
   int branch_count;
-  bool lost; /* a curve was not followed to its end */
+  bool lost;  /* a curve was not followed to its end */
+  int passed; /* modes before the present one */
   km_progress progress;
   void *context;
 } circuit_search;
@@ -259,7 +260,7 @@ static km_status follow(circuit_search *f, km_arc_motion *motion, int node, bool
     f->lost = f->lost || status || after.s > longest_curve;
     if (status || after.s > longest_curve)
       return KM_OK;
-    if (f->progress && !f->progress(f->context, (double)node / (f->modes->count + f->branch_count)))
+    if (f->progress && !f->progress(f->context, (double)f->passed / f->modes->count))
       return km_fail(error, KM_CANCELLED, "stopped while the circuits were followed");
     before = after;
   }
@@ -322,6 +323,7 @@ static km_status follow_modes(circuit_search *f, km_error *error) {
   km_status status = KM_OK;
   for (int i = 0; !status && i < f->modes->count; ++i)
     if (!f->places[i].is_passed) {
+      f->passed = i;
       status = follow_both(f, f->places[i].saved, f->places[i].mover, NULL, i, error);
       f->places[i].is_passed = true;
       if (!status)

@@ -12,8 +12,8 @@
 #include "kinematics/loop_closing.h"
 #include "kmech/continuation.h"
 #include "model/coordinate_column.h"
-#include "space/driver_circuit.h"
 #include "space/curves/surface_curves.h"
+#include "space/driver_circuit.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -23,6 +23,8 @@ static const double shortest_step = 1e-4;  /* shortest step of the number, a par
 static const double same_driver = 1e-6;    /* distance of the driver at equal critical values: radians, length unit */
 static const double same_number = 1e-9;    /* distance of equal critical values, a part of the range */
 
+static const double share_of_modes = 0.2, share_of_circuits = 0.6; /* parts of the progress; intervals take the rest */
+
 typedef struct turning_search {
   km_driver_surface f;
   km_design_number number;
@@ -31,6 +33,7 @@ typedef struct turning_search {
   km_surface_curves *curves;
   km_driver_circuit circuit; /* the one at the present number */
   double *before;            /* [saved_size] */
+  km_progress_stage stage;   /* modes, the circuits of each, and what holds between critical values */
 } turning_search;
 
 const char *km_turning_kind_name(km_turning_kind kind) {
@@ -82,9 +85,14 @@ static km_status add_curves(turning_search *g, km_error *error) {
   return status;
 }
 
+static km_status report(turning_search *g, double done, km_error *error) {
+  return km_progress_stage_report(&g->stage, done)
+             ? KM_OK
+             : km_fail(error, KM_CANCELLED, "stopped while dead points were followed");
+}
+
 /* Adds the curves that meet the circuit of one mode at the steps of the number. start: its saved configuration. */
-static km_status search_from(turning_search *g, const double *start, km_progress progress, void *context,
-                             km_error *error) {
+static km_status search_from(turning_search *g, const double *start, km_error *error) {
   int steps = g->def->steps > 0 ? g->def->steps : KM_DEFAULT_TURNING_STEPS;
   km_status status = KM_OK;
   double own = start[g->f.saved_size - 1];
@@ -99,8 +107,8 @@ static km_status search_from(turning_search *g, const double *start, km_progress
       is_there = walk(g, value);
       if (is_there)
         status = add_curves(g, error);
-      if (!status && progress && !progress(context, (double)k / steps))
-        status = km_fail(error, KM_CANCELLED, "stopped while dead points were followed");
+      if (!status)
+        status = report(g, sense > 0 ? 0.5 * k / steps : 0.5 + 0.5 * k / steps, error);
     }
   }
   return status;
@@ -284,15 +292,21 @@ static km_status prepare(turning_search *g, const km_mechanism *m, const km_stat
 }
 
 /* The modes with the driver locked; the state's own alone where they can't be listed. */
-static km_status find_modes(const km_mechanism *m, const km_state *s, const km_turning_def *def, km_progress progress,
-                            void *context, km_all_modes *modes, km_error *error) {
-  const km_all_modes_def all = {.locked = &def->driver, .locked_count = 1, .seed = def->seed};
-  km_status status = km_all_modes_find(m, s, &all, progress, context, modes, error);
+static km_status find_modes(const km_mechanism *m, const km_state *s, turning_search *g, km_all_modes *modes,
+                            km_error *error) {
+  const km_all_modes_def all = {.locked = &g->def->driver, .locked_count = 1, .seed = g->def->seed};
+  km_progress_stage_next(&g->stage, share_of_modes);
+  km_status status = km_all_modes_find(m, s, &all, km_progress_stage_report, &g->stage, modes, error);
   return status == KM_USAGE ? KM_OK : status;
 }
 
-static km_status search(turning_search *g, const km_all_modes *modes, km_progress progress, void *context,
-                        km_turning *out, km_error *error) {
+/* Begins the stage of a mode's circuits. */
+static void begin_mode(turning_search *g, int i, const km_all_modes *modes) {
+  double count = fmax(modes->count, 1.0);
+  km_progress_stage_next(&g->stage, share_of_modes + share_of_circuits * (i + 1.0) / count);
+}
+
+static km_status search(turning_search *g, const km_all_modes *modes, km_turning *out, km_error *error) {
   const km_mechanism *m = g->f.m;
   double *start = KM_ARENA_NEW(&g->arena, double, g->f.saved_size);
   double *own = KM_ARENA_NEW(&g->arena, double, g->f.saved_size);
@@ -300,21 +314,24 @@ static km_status search(turning_search *g, const km_all_modes *modes, km_progres
   if (status)
     return status;
   km_driver_surface_save(&g->f, own);
-  status = search_from(g, own, progress, context, error);
+  begin_mode(g, 0, modes);
+  status = search_from(g, own, error);
   for (int i = 1; !status && i < modes->count; ++i) {
+    begin_mode(g, i, modes);
     km_driver_surface_restore(&g->f, own);
     status = km_state_set_coordinates(m, g->f.s, modes->coordinates + (size_t)i * (size_t)m->coordinate_count, error);
     if (!status)
       km_driver_surface_restart(&g->f);
     km_driver_surface_save(&g->f, start);
     if (!status)
-      status = search_from(g, start, progress, context, error);
+      status = search_from(g, start, error);
   }
   out->curve_count = km_surface_curves_count(g->curves);
   out->modes = modes->count > 0 ? modes->count : 1;
   out->is_complete = modes->is_complete;
   if (!status && !copy_points(g, out))
     status = km_fail(error, KM_MEMORY, "out of memory for the critical values");
+  km_progress_stage_next(&g->stage, 1.0);
   return status ? status : examine_intervals(g, own, out, error);
 }
 
@@ -328,13 +345,13 @@ km_status km_turning_find(const km_mechanism *m, const km_state *s, const km_tur
     status = check_definition(m, def, error);
   if (status)
     return status;
-  turning_search g = {.def = def};
+  turning_search g = {.def = def, .stage = {.progress = progress, .context = context}};
   km_all_modes modes = {0};
   status = prepare(&g, m, s, out, error);
   if (!status)
-    status = find_modes(m, s, def, progress, context, &modes, error);
+    status = find_modes(m, s, &g, &modes, error);
   if (!status)
-    status = search(&g, &modes, progress, context, out, error);
+    status = search(&g, &modes, out, error);
   km_all_modes_free(&modes);
   km_surface_curves_free(g.curves);
   km_design_number_close(&g.number);

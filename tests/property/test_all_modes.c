@@ -3,7 +3,9 @@
 
 #include "base/random.h"
 #include "kmech/space.h"
+
 #include "model/model.h"
+#include <limits.h>
 
 #include <stdlib.h>
 #include <string.h>
@@ -346,6 +348,34 @@ static void a_stopped_search_keeps_its_modes(void **state) {
   fixture_close(&f);
 }
 
+/* Singular modes of a search that is ended are listed too, as moving unless that was shown not to be so; also of one
+ * that is ended where it judges the last mode. */
+static void a_stopped_search_keeps_singular_modes(void **state) {
+  (void)state;
+  fixture f = fixture_open("peaucellier");
+  int driver = km_sweep_plan_default(f.model).coordinate, moving = 0;
+  const km_all_modes_def def = {.locked = &driver, .locked_count = 1, .seed = 1};
+  stop whole = {INT_MAX};
+  km_all_modes modes;
+  assert_int_equal(km_all_modes_find(f.mechanism, f.state, &def, stop_after, &whole, &modes, NULL), KM_OK);
+  km_all_modes_free(&modes);
+  int calls = INT_MAX - whole.left;
+  const int ends[] = {0, calls / 8, calls / 4, calls / 2, calls - 1};
+  for (size_t k = 0; k < sizeof ends / sizeof *ends; ++k) {
+    stop s = {ends[k]};
+    assert_int_equal(km_all_modes_find(f.mechanism, f.state, &def, stop_after, &s, &modes, NULL), KM_CANCELLED);
+    assert_int_equal(modes.gap, KM_GAP_STOPPED);
+    assert_true(modes.count >= 1);
+    for (int i = 0; i < modes.count; ++i) {
+      assert_int_equal(modes.evidence[i].moves, modes.evidence[i].is_singular);
+      moving += modes.evidence[i].moves;
+    }
+    km_all_modes_free(&modes);
+  }
+  assert_true(moving >= 2);
+  fixture_close(&f);
+}
+
 static void refusals(void **state) {
   (void)state;
   fixture f = fixture_open("fourbar");
@@ -367,11 +397,16 @@ static void refusals(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(planar_platforms_have_six),          cmocka_unit_test(trusses_have_a_power_of_two_less_two),
-      cmocka_unit_test(modes_depend_on_the_mechanism_only), cmocka_unit_test(random_starts_find_no_other),
-      cmocka_unit_test(two_bars_meet_in_two_points),        cmocka_unit_test(a_symmetric_platform_has_mirror_modes),
-      cmocka_unit_test(a_self_motion_is_never_complete),    cmocka_unit_test(struts_and_limits),
-      cmocka_unit_test(a_stopped_search_keeps_its_modes),   cmocka_unit_test(refusals)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(planar_platforms_have_six),
+                                     cmocka_unit_test(trusses_have_a_power_of_two_less_two),
+                                     cmocka_unit_test(modes_depend_on_the_mechanism_only),
+                                     cmocka_unit_test(random_starts_find_no_other),
+                                     cmocka_unit_test(two_bars_meet_in_two_points),
+                                     cmocka_unit_test(a_symmetric_platform_has_mirror_modes),
+                                     cmocka_unit_test(a_self_motion_is_never_complete),
+                                     cmocka_unit_test(struts_and_limits),
+                                     cmocka_unit_test(a_stopped_search_keeps_its_modes),
+                                     cmocka_unit_test(a_stopped_search_keeps_singular_modes),
+                                     cmocka_unit_test(refusals)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

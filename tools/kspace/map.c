@@ -12,6 +12,7 @@
 #include <string.h>
 
 enum { DEFAULT_STEPS = 100 };
+static const double share_of_modes = 0.2; /* part of the progress */
 
 typedef struct options {
   kt_common common;
@@ -163,14 +164,17 @@ static bool is_partial(const map_answer *a) {
 static km_status follow_map(map_answer *a, kt_progress *progress, km_error *error) {
   const kt_pose *pose = a->pose;
   const km_space_axis *axis = a->def.axis;
+  km_progress_stage stage = {.progress = kt_progress_show, .context = progress};
+  km_progress_stage_next(&stage, share_of_modes);
   km_status status = km_map_modes_find(pose->mechanism, pose->state, axis[0].coordinate, axis[1].coordinate,
-                                       a->o->common.seed, kt_progress_show, progress, &a->modes, error);
+                                       a->o->common.seed, km_progress_stage_report, &stage, &a->modes, error);
+  km_progress_stage_next(&stage, 1.0);
   if (!status && a->o->own && a->modes.count > 1)
     a->modes.count = 1; /* the first one is that of the pose */
   a->modes.is_complete = a->modes.is_complete || a->o->own;
   return status ? status
-                : km_space_map_compute(pose->mechanism, pose->state, &a->def, &a->modes, kt_progress_show, progress,
-                                       &a->map, error);
+                : km_space_map_compute(pose->mechanism, pose->state, &a->def, &a->modes, km_progress_stage_report,
+                                       &stage, &a->map, error);
 }
 
 /* After Ctrl-C the answer has the finished sheets and the curves found so far. */

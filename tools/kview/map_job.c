@@ -1,13 +1,13 @@
 /* A map that is computed in a thread of its own. */
 #include "kview/map_job.h"
 
-#include <math.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_HALVINGS = 20 }; /* most halvings of the bar, which is 1 only where the map is finished */
+static const double share_of_modes = 0.2; /* part of the bar, which is 1 only where the map is finished */
+static const double share_of_search = 0.999;
 
 struct kv_map_job {
   const km_mechanism *mechanism;
@@ -15,8 +15,6 @@ struct kv_map_job {
   km_space_map_def def;
   char *point;
   pthread_t thread;
-  double last;         /* share of the present search */
-  int searches;        /* searches that are over */
   _Atomic double done; /* 1: finished */
   atomic_bool is_cancelled;
   km_all_modes modes;
@@ -25,25 +23,23 @@ struct kv_map_job {
   km_error error;
 };
 
-/* Searches follow each other, for modes, sheets and curves, and their number isn't known: each one takes half of the
- * bar that is left, 1 − 2^−k (1 − x/2) after k of them and a share x of the next. */
 static bool goes_on(void *context, double done) {
   kv_map_job *job = context;
-  job->searches += done < job->last;
-  job->last = done;
-  atomic_store(&job->done,
-               1.0 - ldexp(1.0 - 0.5 * done, -(job->searches < MOST_HALVINGS ? job->searches : MOST_HALVINGS)));
+  atomic_store(&job->done, done);
   return !atomic_load(&job->is_cancelled);
 }
 
 static void *compute(void *context) {
   kv_map_job *job = context;
   const km_space_axis *axis = job->def.axis;
-  job->status = km_map_modes_find(job->mechanism, job->state, axis[0].coordinate, axis[1].coordinate, 1, goes_on, job,
-                                  &job->modes, &job->error);
+  km_progress_stage stage = {.progress = goes_on, .context = job};
+  km_progress_stage_next(&stage, share_of_modes);
+  job->status = km_map_modes_find(job->mechanism, job->state, axis[0].coordinate, axis[1].coordinate, 1,
+                                  km_progress_stage_report, &stage, &job->modes, &job->error);
+  km_progress_stage_next(&stage, share_of_search);
   if (!job->status)
-    job->status =
-        km_space_map_compute(job->mechanism, job->state, &job->def, &job->modes, goes_on, job, &job->map, &job->error);
+    job->status = km_space_map_compute(job->mechanism, job->state, &job->def, &job->modes, km_progress_stage_report,
+                                       &stage, &job->map, &job->error);
   atomic_store(&job->done, 1.0);
   return NULL;
 }

@@ -49,10 +49,10 @@ def all_modes(mechanism: Mechanism, state: State, hold: Sequence[str], within_li
                                                 "within_limits": within_limits, "seed": seed})
     try:
         with mechanism.model._reading(), state._using():
-            status = lib.km_all_modes_find(mechanism._c, state._c, definition, watch.call, watch.context, modes, error)
+            status = lib.km_all_modes_find(mechanism._c, state._c, definition, *watch.stage(0.8), modes, error)
             if not status:
-                status = lib.km_mode_circuits_find(mechanism._c, state._c, definition, modes, watch.call, watch.context,
-                                                   circuits, error)
+                status = lib.km_mode_circuits_find(mechanism._c, state._c, definition, modes, *watch.stage(1.0), circuits,
+                                                   error)
         watch.finish()
         check(status, error)
         count, width = modes.count, len(mechanism.model.coordinates)
@@ -166,11 +166,10 @@ def space_map(mechanism: Mechanism, state: State, over: Mapping[str, Tuple[float
     with mechanism.model._reading(), state._using():
         figures, pairs = _map_parts(mechanism, state, ask, locked, clearance)
         definition.figures, definition.clearance = figures, pairs
-        status = lib.km_map_modes_find(mechanism._c, state._c, locked[0], locked[1], seed, watch.call, watch.context, modes, error)
+        status = lib.km_map_modes_find(mechanism._c, state._c, locked[0], locked[1], seed, *watch.stage(0.2), modes, error)
         if not status:
             modes.count = min(modes.count, 1) if own else modes.count  # the first one is the state's
-            status = lib.km_space_map_compute(mechanism._c, state._c, definition, modes, watch.call, watch.context, found,
-                                              error)
+            status = lib.km_space_map_compute(mechanism._c, state._c, definition, modes, *watch.stage(1.0), found, error)
     watch.finish()
     check(status, error)
     return SpaceMap(table_of(found.cells, found), table_of(found.curves, found), found.sheet_count, found.curve_count,

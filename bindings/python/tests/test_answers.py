@@ -459,6 +459,9 @@ def test_maps_over_two_drivers(source):
     assert wrist.sphere[0] == pytest.approx((0, 0, 0), abs=1e-12) and wrist.sphere[1] == pytest.approx(0.1)
     with pytest.raises(kmech.UsageError, match="two of them"):
         mechanism.space_map({"A": (-2, 2, 21)})
+    seen = []
+    mechanism.space_map({"A": (-2, 2, 401), "E": (-2, 2, 401)}, progress=seen.append)
+    assert len(seen) > 2 and seen == sorted(seen) and 0.6 < seen[-1] <= 1  # one course for modes, sheets and curves
     with pytest.raises(kmech.Cancelled):
         mechanism.space_map({"A": (-2, 2, 21), "E": (-2, 2, 21)}, progress=lambda done: False)
 

@@ -188,6 +188,21 @@ KM_API const char *km_nearest_text(const km_nearest *nearest, char out[KM_NEARES
  * KM_CANCELLED. Called from the thread that called the library. NULL is legal everywhere: no progress is reported. */
 typedef bool (*km_progress)(void *context, double done);
 
+/* A stage of longer work, of one call or of several that follow each other. */
+typedef struct km_progress_stage {
+  km_progress progress; /* callback of the whole work; NULL: none */
+  void *context;        /* passed to it */
+  double from, to;      /* share of the whole work that is done when the stage begins, and when it ends */
+  double reported;      /* largest share reported so far; 0 at the beginning of the whole work */
+} km_progress_stage;
+
+/* Begins the next stage: from the end of the present one to the share `to` of the whole work. */
+KM_API void km_progress_stage_next(km_progress_stage *stage, double to);
+
+/* A km_progress whose context is a km_progress_stage: reports from + (to − from) `done` of the whole work, but never
+ * less than before, also where `from` and `to` have changed. Returns true without a callback or without a stage. */
+KM_API bool km_progress_stage_report(void *stage, double done);
+
 /* ---- Independent pieces of work on several threads. */
 
 /* Calls work(context, i) once for each i < `count` on up to `jobs` threads (1: the caller's thread). The calls must

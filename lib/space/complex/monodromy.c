@@ -107,7 +107,9 @@ static void track(km_monodromy *g, km_fibre_edge *edge, int end, int i) {
   km_free(x);
 }
 
-static bool continues(km_monodromy *g, double done) {
+/* Reports the work as a share of its limit. */
+static bool continues(km_monodromy *g) {
+  double done = (double)g->h->evaluations / (double)max_evaluations;
   g->cancelled = g->cancelled || (g->progress && !g->progress(g->context, done));
   g->is_exhausted = g->is_exhausted || g->h->evaluations > max_evaluations || g->node[0].count > g->limit;
   return !g->failed && !g->cancelled && !g->is_exhausted;
@@ -126,7 +128,7 @@ static bool saturate(km_monodromy *g) {
           if (edge->partner[end][i] == KM_UNTRACKED) {
             is_new = true;
             track(g, edge, end, i);
-            if (!continues(g, 0.0))
+            if (!continues(g))
               return false;
           }
     }

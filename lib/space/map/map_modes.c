@@ -59,9 +59,12 @@ km_status km_map_modes_find(const km_mechanism *m, const km_state *s, int first,
   bool is_one_list = part[0] == part[1] && has_loops(m, first);
   km_all_modes_def def = {.locked_count = is_one_list ? 2 : 1, .seed = seed};
   km_all_modes of[2] = {{0}, {0}};
-  for (int d = 0; !status && d < (is_one_list ? 1 : 2); ++d) {
+  int lists = is_one_list ? 1 : 2;
+  km_progress_stage stage = {.progress = progress, .context = context};
+  for (int d = 0; !status && d < lists; ++d) {
     def.locked = drivers + d;
-    status = has_loops(m, drivers[d]) ? km_all_modes_find(m, s, &def, progress, context, &of[d], error)
+    km_progress_stage_next(&stage, (d + 1.0) / lists);
+    status = has_loops(m, drivers[d]) ? km_all_modes_find(m, s, &def, km_progress_stage_report, &stage, &of[d], error)
                                       : own_mode(m, s, &of[d], error);
   }
   if (!status && is_one_list) {

@@ -12,11 +12,18 @@ typedef struct km_known_configuration {
   struct km_known_configuration *next;
 } km_known_configuration;
 
+/* Shares of the work on a map, in their order. */
+typedef enum km_map_share {
+  KM_MAP_SHARE_MODES,
+  KM_MAP_SHARE_RANDOM_STARTS,
+  KM_MAP_SHARE_CURVES,
+  KM_MAP_SHARE_WORKSPACE
+} km_map_share;
+
 typedef struct km_map_search {
   km_driver_surface f;
   const km_space_map_def *def;
-  km_progress progress; /* NULL: none */
-  void *context;
+  km_progress_stage stage;
   km_surface_curves *curves;
   km_arena arena;
   int last_sheet;                 /* number of the newest sheet */
@@ -45,8 +52,10 @@ typedef struct km_map_search {
   km_space_map *out;
 } km_map_search;
 
-/* Reports `part` of a sheet as done. KM_CANCELLED: the caller ends the map. */
-km_status km_map_report(const km_map_search *g, double part, km_error *error);
+/* Begins part i of `count` equal parts of a share of the map. */
+void km_map_begin_part(km_map_search *g, km_map_share share, size_t i, size_t count);
+/* Reports how much of the present part is done. KM_CANCELLED: the caller ends the map. */
+km_status km_map_report(km_map_search *g, double done, km_error *error);
 /* Value of an axis at a grid point, and at the state, scaled. */
 double km_map_axis_value(const km_map_search *g, int axis, int i);
 double km_map_scaled_value(const km_map_search *g, int axis);

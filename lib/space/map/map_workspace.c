@@ -248,9 +248,10 @@ km_status km_map_find_workspace(km_map_search *g, km_error *error) {
   status = find_whole(&w, error);
   for (int i = 0; !status && i < g->out->workspace_count; ++i) {
     g->out->workspaces[i] = (km_aspect_workspace){.aspect = i + 1};
-    status = find_in_aspect(&w, &g->out->workspaces[i], error);
+    km_map_begin_part(g, KM_MAP_SHARE_WORKSPACE, (size_t)i, (size_t)g->out->workspace_count);
+    status = km_map_report(g, 0.0, error);
     if (!status)
-      status = km_map_report(g, 1.0, error);
+      status = find_in_aspect(&w, &g->out->workspaces[i], error);
   }
   return status;
 }

@@ -16,6 +16,8 @@ enum {
   CURVE_STRIDE = 4    /* points of a curve from one start of sheets to the next */
 };
 static const double leaving_distance = 0.05; /* distance of a start from its singularity curve */
+/* Part of the work before each share of km_map_share: about that of the five-bar's and the wrist's maps. */
+static const double share_ends[] = {0.0, 0.4, 0.6, 0.7, 1.0};
 static const double most_reach =
     0.1; /* largest one of grid points to a known curve for which they don't look for another */
 
@@ -186,10 +188,15 @@ static km_status not_recorded(const km_map_search *g, km_error *error) {
                      : no_memory(error);
 }
 
-km_status km_map_report(const km_map_search *g, double part, km_error *error) {
-  return g->progress && !g->progress(g->context, part)
-             ? km_fail(error, KM_CANCELLED, "stopped while the map was followed")
-             : KM_OK;
+void km_map_begin_part(km_map_search *g, km_map_share share, size_t i, size_t count) {
+  double from = share_ends[share], width = share_ends[share + 1] - from;
+  g->stage.from = from + width * (double)i / (double)count;
+  g->stage.to = from + width * (double)(i + 1) / (double)count;
+}
+
+km_status km_map_report(km_map_search *g, double done, km_error *error) {
+  return km_progress_stage_report(&g->stage, done) ? KM_OK
+                                                   : km_fail(error, KM_CANCELLED, "stopped while the map was followed");
 }
 
 /* Follows one sheet from the state's configuration; it counts if it has at least `least` grid points. */
@@ -335,14 +342,24 @@ static bool close_freely(km_map_search *g) {
   return true;
 }
 
+/* Begins the part of the next point of the curves: its crossing curves are added, and its sides are followed. */
+static km_status begin_point(km_map_search *g, km_error *error) {
+  size_t count;
+  km_surface_curves_points(g->curves, &count);
+  km_map_begin_part(g, KM_MAP_SHARE_CURVES, g->crossed_points + g->left_points, 2 * count + 1);
+  return km_map_report(g, 0.0, error);
+}
+
 /* Follows the sheets on both sides of the drivers' singularity curves that no mode has led to. */
 static km_status follow_sheets_of_curves(km_map_search *g, km_error *error) {
   km_status status = KM_OK;
   bool is_point = true;
-  for (; !status && is_point; g->left_points += is_point ? CURVE_STRIDE : 0)
+  for (; !status && is_point; g->left_points += is_point ? CURVE_STRIDE : 0) {
+    status = begin_point(g, error);
     for (int side = -1; !status && side <= 1; side += 2)
       if (km_surface_curves_leave(g->curves, g->left_points, side * leaving_distance, &is_point) && close_freely(g))
         status = follow_sheet(g, g->last_sheet + 1, LEAST_CELLS, error);
+  }
   return status;
 }
 
@@ -387,6 +404,7 @@ static km_status follow_sheets_of_random_starts(km_map_search *g, const double *
     int cell = (int)(van_der_corput(i, 2) * g->across) + (int)(van_der_corput(i, 3) * g->down) * g->across;
     if (i % SPREAD_STRIDE != 0 && g->known[cell])
       continue;
+    km_map_begin_part(g, KM_MAP_SHARE_RANDOM_STARTS, (size_t)i - 1, SPREAD_POINTS);
     if (close_at_random(g, cell, home, &random))
       status = follow_sheet(g, g->last_sheet + 1, LEAST_CELLS, error);
   }
@@ -403,7 +421,7 @@ static km_status add_crossing_curves(km_map_search *g, km_error *error) {
     const km_surface_curve other = {.kind = at.crossing};
     if (!at.is_crossing || at.crossing == at.of.kind)
       continue;
-    status = km_surface_curves_add(g->curves, &other, at.saved, 0.0) ? km_map_report(g, 1.0, error) : no_memory(error);
+    status = km_surface_curves_add(g->curves, &other, at.saved, 0.0) ? begin_point(g, error) : no_memory(error);
     km_surface_curves_points(g->curves, &count);
   }
   return status;
@@ -430,6 +448,7 @@ static km_status follow_sheets(km_map_search *g, const km_all_modes *modes, km_e
     return no_memory(error);
   for (int i = 0; !status && i < modes->count; ++i) {
     status = move_to_mode(g, modes, i, error);
+    km_map_begin_part(g, KM_MAP_SHARE_MODES, (size_t)i, (size_t)modes->count);
     if (!status) {
       km_driver_surface_restart(f);
       if (i == 0)
@@ -467,8 +486,7 @@ km_status km_space_map_compute(const km_mechanism *m, const km_state *s, const k
     return status;
   km_map_search g = {.f = {.m = m, .frame = def->has_point ? def->frame : -1},
                      .def = def,
-                     .progress = progress,
-                     .context = context,
+                     .stage = {.progress = progress, .context = context},
                      .out = out};
   status = km_state_create(m, &g.f.s, error);
   if (!status) {

@@ -111,7 +111,7 @@ bool km_path_trees_grow(km_path_trees *g, km_progress progress, void *context, b
       node[1 - side] = met;
       return true;
     }
-    *is_cancelled = progress && !progress(context, (double)(a->count + b->count) / most);
+    *is_cancelled = progress && !progress(context, fmax(a->count + b->count, tries) / most);
     if (*is_cancelled)
       return true;
   }
