@@ -4,6 +4,7 @@
 #include "kmech/clearance.h"
 #include "kmech/space.h"
 #include "kmech/volume.h"
+#include "space/volume/moved_point.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -291,6 +292,54 @@ static void bodies_keep_their_clearance(void **state) {
   fixture_close(&f);
 }
 
+/* ---- Extents that differ. */
+
+/* Three slides: a box of 1 by 1 by 1e-4. */
+#define SLIDES                                                                                                         \
+  "{\"model_parameters\": {\"version\": \"1.0\", \"units\": {\"angle\": \"radians\", \"length\": \"meters\", "         \
+  "\"mass\": \"kilograms\", \"time\": \"seconds\", \"force\": \"newtons\"}}, \"assemblies\": [{\"name\": \"s\", "      \
+  "\"bodies\": [{\"name\": \"x\"}, {\"name\": \"y\"}, {\"name\": \"z\"}], \"joints\": [{\"name\": \"X\", \"type\": "   \
+  "\"Tx\", \"body_frame_pairs\": [[\"fixed\", \"origin\"], [\"x\", \"origin\"]], \"limits\": [0, 1]}, {\"name\": "     \
+  "\"Y\", \"type\": \"Ty\", \"body_frame_pairs\": [[\"x\", \"origin\"], [\"y\", \"origin\"]], \"limits\": [0, 1]}, "   \
+  "{\"name\": \"Z\", \"type\": \"Tz\", \"body_frame_pairs\": [[\"y\", \"origin\"], [\"z\", \"origin\"]], "             \
+  "\"limits\": [0, 1e-4]}]}]}"
+
+static bool is_in_thin_box(const double p[3]) {
+  return p[0] >= 0.0 && p[0] <= 1.0 && p[1] >= 0.0 && p[1] <= 1.0 && p[2] >= 0.0 && p[2] <= 1e-4;
+}
+
+static void a_thin_box_has_no_more_samples(void **state) {
+  (void)state;
+  fixture f = fixture_read(SLIDES);
+  for (int samples = 100; samples <= 3000; samples = 3 * samples + 1) {
+    km_space_volume v =
+        volume_of(&f, "z/origin", (km_space_volume_def){.within_limits = true, .samples = samples, .seed = 1});
+    assert_true(v.samples <= samples && v.samples > 3 * samples / 4);
+    assert_int_equal(assert_samples(&v, is_in_thin_box), 0);
+    assert_true(v.low <= 1e-4 && 1e-4 <= v.high);
+    km_space_volume_free(&v);
+  }
+  fixture_close(&f);
+}
+
+/* The gantry with a stroke of 400: its length is 1. */
+static bool is_in_long_gantry(const double p[3]) {
+  return fabs(p[0]) <= 200.0 && p[1] >= 0.0 && p[1] <= 1.0;
+}
+
+static void a_long_slide_has_ends(void **state) {
+  (void)state;
+  fixture f = fixture_read(GANTRY(", \"limits\": [-200, 200]"));
+  for (int own = 0; own < 2; ++own) {
+    km_space_volume v =
+        volume_of(&f, "ball/origin", (km_space_volume_def){.own_circuit = own, .within_limits = true, .samples = 1000});
+    assert_int_equal(assert_samples(&v, is_in_long_gantry), 0);
+    assert_true(v.low <= 400.0 && 400.0 <= v.high);
+    km_space_volume_free(&v);
+  }
+  fixture_close(&f);
+}
+
 /* ---- Threads, refusals, cancellation. */
 
 static void threads_dont_matter(void **state) {
@@ -351,6 +400,77 @@ static void a_stopped_search_says_what_it_knows(void **state) {
   fixture_close(&f);
 }
 
+static bool stop_at_once(void *context, double done) {
+  ++*(int *)context;
+  assert_true(done < 0.05);
+  return false;
+}
+
+static void a_search_stops_before_its_samples(void **state) {
+  (void)state;
+  fixture f = fixture_read(ARM(AT_ORIGIN, "", "", ""));
+  km_space_volume v;
+  km_error error;
+  int calls = 0;
+  const km_space_volume_def def = {.frame = frame_of(&f, "c/tip"), .point_name = "c/tip"};
+  assert_int_equal(km_space_volume_find(f.mechanism, f.state, &def, stop_at_once, &calls, &v, &error), KM_CANCELLED);
+  assert_int_equal(calls, 1);
+  assert_null(v.points);
+  km_space_volume_free(&v);
+  fixture_close(&f);
+}
+
+typedef struct progress_seen {
+  double last;
+  int before_samples, calls;
+} progress_seen;
+
+static bool see_progress(void *context, double done) {
+  progress_seen *seen = context;
+  assert_true(done >= seen->last && done <= 1.0);
+  seen->last = done;
+  ++seen->calls;
+  seen->before_samples += done < 0.05;
+  return true;
+}
+
+static void progress_grows_from_the_first_search_on(void **state) {
+  (void)state;
+  fixture f = fixture_read(ARM(AT_ORIGIN, "", "", ""));
+  km_space_volume v;
+  km_error error;
+  progress_seen seen = {.last = 0.0};
+  const km_space_volume_def def = {.frame = frame_of(&f, "c/tip"), .point_name = "c/tip", .samples = 1000};
+  assert_int_equal(km_space_volume_find(f.mechanism, f.state, &def, see_progress, &seen, &v, &error), KM_OK);
+  assert_true(seen.before_samples >= 80); /* 1280 closures and motions, 16 of each share */
+  assert_true(seen.calls > seen.before_samples);
+  km_space_volume_free(&v);
+  fixture_close(&f);
+}
+
+/* Locked cranks of a five-bar whose ends are 2.2 from each other; the rods are 1.8 long. */
+static void open_loops_are_no_configuration(void **state) {
+  (void)state;
+  fixture f = fixture_open("five_bar");
+  km_arena arena = {0};
+  km_error error;
+  km_moved_point p = {.m = f.mechanism,
+                      .s = f.state,
+                      .frame = frame_of(&f, "rod1/P"),
+                      .dimension = 2,
+                      .axis = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}}};
+  assert_int_equal(km_moved_point_create(&p, &arena, &error), KM_OK);
+  assert_true(km_moved_point_return(&p));
+  const int cranks[2] = {fixture_coordinate(&f, "A"), fixture_coordinate(&f, "E")};
+  for (int i = 0; i < 2; ++i) {
+    f.state->q[cranks[i]] = i == 0 ? 0.5 * M_PI : -0.5 * M_PI;
+    km_state_lock(f.state, cranks[i]);
+  }
+  assert_false(km_moved_point_return(&p));
+  km_arena_free(&arena);
+  fixture_close(&f);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(an_arm_reaches_a_hollow_ball),
@@ -361,9 +481,14 @@ int main(void) {
       cmocka_unit_test(a_five_bar_has_the_area_of_its_map),
       cmocka_unit_test(a_redundant_arm_is_ordinary),
       cmocka_unit_test(bodies_keep_their_clearance),
+      cmocka_unit_test(a_thin_box_has_no_more_samples),
+      cmocka_unit_test(a_long_slide_has_ends),
       cmocka_unit_test(threads_dont_matter),
       cmocka_unit_test(wrong_inputs_are_refused),
       cmocka_unit_test(a_stopped_search_says_what_it_knows),
+      cmocka_unit_test(a_search_stops_before_its_samples),
+      cmocka_unit_test(progress_grows_from_the_first_search_on),
+      cmocka_unit_test(open_loops_are_no_configuration),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

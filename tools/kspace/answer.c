@@ -3,6 +3,7 @@
 
 #include "kmech/data.h"
 
+#include <math.h>
 #include <string.h>
 
 kt_exit kspace_write_csv(const kt_common *common, const char *base, const km_table *table, const char *result) {
@@ -32,6 +33,18 @@ kt_exit kspace_read_clearance(const kt_common *common, const char *text, const c
   if (status)
     kt_print_message(common, KM_ERROR, "%s: %s", model, error.text);
   return status ? kt_exit_of(status) : KT_DONE;
+}
+
+void kspace_print_limits(const km_model *model, km_text *out) {
+  int count = 0;
+  for (int c = 0; c < km_model_coordinate_count(model); ++c) {
+    double low = -HUGE_VAL, high = HUGE_VAL;
+    km_model_coordinate_limits(model, c, &low, &high);
+    count += isfinite(low) || isfinite(high);
+  }
+  if (count > 0)
+    km_text_format(out, "joint limits don't count: %d joint%s; --limits keeps them\n", count,
+                   count == 1 ? " has some" : "s have some");
 }
 
 bool kspace_read_formats(const kt_common *common, const char *format, const char *among, const char *model,

@@ -7,6 +7,8 @@
 #include "kmech/report.h"
 #include "kmech/volume.h"
 
+#include <math.h>
+
 typedef struct options {
   kt_common common;
   kt_texts holds, sets;
@@ -24,15 +26,20 @@ typedef struct volume_answer {
 
 /* ---- Record and text. */
 
+/* Prints the extent of the box along an axis: x, y or z, if it is one of them, turned or not. */
 static void print_side(const km_space_volume *v, int k, const char *unit, km_text *out) {
   const double *a = v->axis[k];
+  double low = v->box_low[k], high = v->box_high[k];
+  int axis = 0;
+  while (axis < 3 && fabs(a[axis]) != 1.0)
+    ++axis;
   km_text_add(out, k == 0 ? "box: " : ", ");
-  for (int i = 0; i < 3; ++i)
-    if (a[i] == 1.0)
-      km_text_format(out, "%c ", "xyz"[i]);
-  if (a[0] != 1.0 && a[1] != 1.0 && a[2] != 1.0)
-    km_text_format(out, "along (%.6g, %.6g, %.6g) ", a[0], a[1], a[2]);
-  km_text_format(out, "%.6g to %.6g %s", v->box_low[k], v->box_high[k], unit);
+  if (axis == 3)
+    km_text_format(out, "along (%.6g, %.6g, %.6g) %.6g to %.6g %s", a[0], a[1], a[2], low, high, unit);
+  else if (a[axis] > 0.0)
+    km_text_format(out, "%c %.6g to %.6g %s", "xyz"[axis], low, high, unit);
+  else
+    km_text_format(out, "%c %.6g to %.6g %s", "xyz"[axis], -high, -low, unit);
 }
 
 static void print_volume(const void *context, km_text *out) {
@@ -46,6 +53,8 @@ static void print_volume(const void *context, km_text *out) {
   for (int k = 0; k < v->dimension; ++k)
     print_side(v, k, unit, out);
   km_text_add(out, "\n");
+  if (!a->def.within_limits)
+    kspace_print_limits(a->pose->model, out);
 }
 
 static const km_value *record_volume(const void *context, km_arena *arena) {
@@ -138,15 +147,16 @@ kt_exit kspace_volume(int argc, char **argv) {
   kt_options all = {0};
   const kt_option own[] = {
       {"point", 0, "BODY/FRAME", "The point", KT_TEXT, &o.point, KT_ABOUT_MODEL},
-      {"samples", 0, "N", "Points of the box that are decided, about (default: 10000)", KT_TEXT, &o.samples,
+      {"samples", 0, "N", "At most N random points of the box (default: 10000)", KT_TEXT, &o.samples, KT_ABOUT_MODEL},
+      {"own", 0, NULL, "Count only configurations that a motion from the pose leads to", KT_FLAG, &o.own,
        KT_ABOUT_MODEL},
-      {"own", 0, NULL, "Only configurations that a motion from the pose leads to", KT_FLAG, &o.own, KT_ABOUT_MODEL},
-      {"limits", 0, NULL, "Configurations beyond the joint limits don't count", KT_FLAG, &o.limits, KT_ABOUT_MODEL},
+      {"limits", 0, NULL, "Count only configurations within the joint limits", KT_FLAG, &o.limits, KT_ABOUT_MODEL},
       {"clearance", 0, "X",
-       "Configurations in which bodies are nearer than X, in the model's length unit, don't count; the pairs are those "
-       "of kspace clearance",
+       "Count only configurations in which bodies are at least X apart, in the model's length unit; the pairs are "
+       "those of kspace clearance",
        KT_TEXT, &o.clearance, KT_ABOUT_MODEL},
-      {"format", 0, "FORMATS", "Some of csv,json (default csv); json without -o: a record in place of the text",
+      {"format", 0, "FORMATS",
+       "Files to write: some of csv,json (with -o, unless stated: csv); json without -o: a record in place of the text",
        KT_TEXT_OF("csv or json"), &o.format, KT_ABOUT_FILES},
       KT_SET(&o.sets, "Start from another pose: move a joint to a value"),
       KT_HOLD(&o.holds, KT_HOLD_RIGID),
@@ -162,15 +172,17 @@ kt_exit kspace_volume(int argc, char **argv) {
       "How large the workspace of a point is: a volume, or an area where the point stays in a plane, with its standard "
       "error and 95 % interval."
       "\vThe box of the workspace is divided into cells with two random samples each. The point is moved to each sample "
-      "from the nearest known configurations, around singularities and through all ways in which the loops close, "
-      "unless --own is given. A sample is not reached if eight attempts ended where no motion brings the point nearer; "
-      "it is undecided if attempts ended otherwise, and counts for the upper end of the interval then. The standard "
-      "error is that of stratified samples: it comes from the cells of which one sample is reached. Four times as many samples give "
-      "intervals of two fifths in space, of a third in a plane. A point with fewer freedoms, or one that moves on a curved surface or without end, is refused. "
+      "from the nearest known configurations, around singularities. All ways in which the loops close count, unless "
+      "--own is given, and so do configurations beyond the joint limits, unless --limits is. A sample is not reached if "
+      "eight attempts end where no motion brings the point nearer. It is undecided if attempts end otherwise, and then "
+      "counts for the upper end of the interval only. The standard error is that of stratified samples: it comes from "
+      "the cells of which one sample is reached. Four times as many samples shorten the interval to two fifths of its "
+      "length in space, and to a third in a plane. A point with fewer freedoms, or one that moves on a curved surface "
+      "or without end, is refused. "
       "Columns of the table: point. x, y, z, reached (1, 0, or -1: undecided), q. of each joint where it is reached. JSON "
       "keys beside those of every record: point, dimension, volume or area, standard_error, low, high, complete, samples, "
       "reached, not_reached, undecided, split_cells, box (axis, from, to, cells), columns and rows. Exit status 1: Ctrl-C "
-      "ended the work, and other samples count as undecided; or the box grew to the last.",
+      "ended the work, and other samples count as undecided; or samples enlarged the box to the last.",
       argc, argv);
   if (!kspace_read_formats(&o.common, o.format, "csv,json", o.model, &o.files))
     return KT_USAGE;

@@ -30,7 +30,7 @@ typedef struct km_space_volume_def {
   const km_clearance *clearance; /* nor do those in which a pair of bodies is nearer than `least_clearance`; NULL: all
                                   * count */
   double least_clearance;        /* model's unit */
-  int samples;                   /* points of the box that are decided, about; 0: KM_DEFAULT_VOLUME_SAMPLES */
+  int samples;                   /* most points of the box that are decided; 0: KM_DEFAULT_VOLUME_SAMPLES */
   unsigned long seed;            /* start of the random numbers */
   int jobs;                      /* threads; the result doesn't depend on them */
 } km_space_volume_def;
@@ -51,19 +51,19 @@ typedef struct km_space_volume {
   int undecided;                  /* attempts ended otherwise */
   int split_cells;                /* cells of which one sample is reached */
   int configurations;             /* known configurations from which the point was moved */
-  bool is_complete;               /* no attempts were left, and climbs from the reached samples found no larger
+  bool is_complete;               /* no attempts were left, and motions from the reached samples found no larger
                                    * box */
   km_table *points;               /* point. x y z, reached (1, 0, −1: undecided), q. of every coordinate where it is
                                    * reached, else NaN: a row for each sample */
 } km_space_volume;
 
-/* Finds how large the workspace of a point is. The box is found by climbing along each axis from many configurations,
- * and is 1 % larger. Two random points are decided in each of its cells: the point is moved to them from the nearest
+/* Finds how large the workspace of a point is. The box is found by moving the point along each axis from many
+ * configurations on, and is 1 % larger. Two random points are decided in each of its cells: the point is moved to them from the nearest
  * known configurations, which begin with random closures of the loops and motions from there. Every sample reached is
  * closed to 1e-12 and exact to 1e-9 of the characteristic length. That a sample isn't reached is the evidence of eight
  * attempts, no proof. KM_USAGE: an index, a number of samples or a clearance is invalid, the point doesn't move in
  * three directions or over a plane, or moves without end; KM_NO_RESULT: no configuration is within limits and
- * clearance; KM_MEMORY; KM_CANCELLED: `*out` has the samples decided so far, others are undecided. Free `*out` in any
+ * clearance; KM_MEMORY; KM_CANCELLED: `*out` has the samples decided so far, others are undecided; no samples before the first is decided. Free `*out` in any
  * case. O(samples · attempts · steps · rank³). */
 KM_API km_status km_space_volume_find(const km_mechanism *mechanism, const km_state *state,
                                       const km_space_volume_def *def, km_progress progress, void *context,

@@ -1,8 +1,12 @@
-/* Damped least-squares step with bounds, by active rows from the free step on (as D. Goldfarb, A. Idnani 1983, but
- * without their step lengths).
+/* Damped least-squares step with bounds, by the dual method of active sets (D. Goldfarb, A. Idnani 1983).
  *
  *   min ½ |A w − d|² + ½ ε |w|²   subject to   N w <= s
- *   active rows S:   (H  N_Sᵀ; N_S  0) (w; λ) = (Aᵀ d; s_S),   H = Aᵀ A + ε I,   λ >= 0 */
+ *   start      : H w = Aᵀ d,   H = Aᵀ A + ε I,   no active rows S
+ *   bound n, s exceeded:   (H  N_Sᵀ; N_S  0) (z; y) = (−n; 0),   w += t z,   λ_S += t y,   λ += t
+ *   t          : the less of (n·w − s)/(−n·z), where the bound is met and becomes active, and of λ_a/(−y_a), y_a < 0,
+ *                where an active row is released; the first is infinite if n depends on the active rows
+ *   Each t increases the dual objective, so that no set returns: the method ends with the step, or with t infinite,
+ *   which proves that no step satisfies all bounds. */
 #ifndef KM_SPACE_BOUNDED_STEP_H
 #define KM_SPACE_BOUNDED_STEP_H
 
@@ -18,6 +22,8 @@ typedef struct km_bounded_step {
   double *bound;          /* [bound][columns] rows of N */
   double *slack;          /* [bound] s; negative: the step must go back at least so far */
   double *w;              /* [columns] the step */
+  int active_count;       /* active bounds: <= columns, as their rows are independent */
+  double *lambda;         /* [active] their multipliers */
   double *matrix, *right; /* [(2 most_columns)²], [2 most_columns] workspace */
   double *solution;       /* [2 most_columns] */
   int *pivot, *active;    /* [2 most_columns], [most_columns] */
@@ -26,8 +32,8 @@ typedef struct km_bounded_step {
 
 /* Allocates for matrices of up to 3 rows. False when out of memory. */
 bool km_bounded_step_create(km_bounded_step *step, int most_columns, int most_bounds, km_arena *arena);
-/* Finds w. False if the active rows depend on each other, more bounds are exceeded than columns, or rounding keeps the
- * method from ending: a step within the bounds may exist then. O(active · columns³). */
+/* Finds w. False if the bounds exclude each other; to rounding, which also ends a set that returns.
+ * O(active · columns³). */
 bool km_bounded_step_find(km_bounded_step *step, const double *d, double epsilon);
 /* |d|² − |d − A w|²: what the step takes from the square of the distance. */
 double km_bounded_step_decrease(const km_bounded_step *step, const double *d);

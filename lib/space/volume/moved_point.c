@@ -9,16 +9,24 @@
 #include "kinematics/loop_equations.h"
 #include "mobility/mobility_numbers.h"
 #include "space/real_solve.h"
+#include "topology/chain.h"
 
 #include <string.h>
 
-enum { MOST_STEPS = 100, MOST_CLIMBS = 1000, MOST_RETURNS = 20, STEP_RETURNS = 3, WANDER_STEPS = 12 };
+enum {
+  MOST_STEPS = 100,
+  MOST_TARGETS = 1000, /* five times those that end a workspace without end */
+  MOST_RETURNS = 20,
+  STEP_RETURNS = 3,
+  RANDOM_STEPS = 12 /* about half a turn in all */
+};
 static const double reached = 1e-9;        /* distance over L of a point that is there */
-static const double longest_step = 0.3;    /* |w|: radians, or lengths over L */
+static const double longest_step = 0.3;    /* radians; lengths over the larger of L and the stroke */
 static const double least_decrease = 1e-6; /* share of |d|² that a step may still promise where the point is blocked */
-static const double largest_damping = 1e8; /* μ of steps that rounding rejects */
-static const double climbing = 0.5;        /* |d| of a climb */
-static const double kept_decrease = 1e-4;  /* least share of the promised decrease */
+static const double largest_damping = 1e8; /* μ where a step of 1e-8 |d| lengths is rejected: by rounding, 1e-9 L */
+static const double target_distance = 0.5; /* the next target of an extremum is so far, over the reach */
+static const double endless = 100.0;       /* distance over the reach, the sum of L and all strokes with ends */
+static const double kept_decrease = 1e-4;  /* least share of the promised decrease (L. Armijo 1966) */
 static const double regular_share = 1e-6;  /* smaller singular values of A over the largest are those of a rank */
 
 /* ---- Preparation. */
@@ -56,6 +64,33 @@ static void find_columns(km_moved_point *p) {
   p->columns += trees;
 }
 
+/* Travel of a slide or screw between its limits, model's unit; infinite without limits that count; 0: neither. */
+static double stroke_of(const km_moved_point *p, int c) {
+  const km_mechanism *m = p->m;
+  const km_model_coordinate *coordinate = &m->model->coordinates[c];
+  double range = p->keeps_limits ? m->high[c] - m->low[c] : HUGE_VAL;
+  if (km_model_coordinate_is_length(m->model, c))
+    return range;
+  return m->model->joints[coordinate->joint].type == KM_SCREW
+             ? range * fabs(km_pitch_per_radian(m->model, coordinate->joint, 1.0))
+             : 0.0;
+}
+
+/* Finds the reach, and the longest change of each column in a step. */
+static void find_reach(km_moved_point *p) {
+  p->reach = p->m->length;
+  p->is_bounded = true;
+  for (int k = 0; k < p->columns; ++k) {
+    int c = p->coordinate[k];
+    double stroke = stroke_of(p, c);
+    p->is_bounded = p->is_bounded && isfinite(stroke);
+    p->reach += isfinite(stroke) ? stroke : 0.0;
+    p->longest[k] = longest_step;
+    if (km_model_coordinate_is_length(p->m->model, c) && isfinite(stroke))
+      p->longest[k] *= fmax(1.0, stroke * p->m->scale[c]);
+  }
+}
+
 km_status km_moved_point_create(km_moved_point *p, km_arena *arena, km_error *error) {
   size_t all = (size_t)p->m->coordinate_count;
   p->part = KM_ARENA_NEW(arena, int, (size_t)p->m->topology.substructure_count + 1);
@@ -67,9 +102,12 @@ km_status km_moved_point_create(km_moved_point *p, km_arena *arena, km_error *er
   p->saved_size = all + 4 * (size_t)p->m->ball_count + 1;
   p->Z = KM_ARENA_NEW(arena, double, n *n);
   p->z = KM_ARENA_NEW(arena, double, n);
+  p->longest = KM_ARENA_NEW(arena, double, n);
   p->move = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n);
   p->jacobian = KM_ARENA_NEW(arena, double, 6 * all + 1);
   p->before = KM_ARENA_NEW(arena, double, p->saved_size);
+  if (!arena->failed)
+    find_reach(p);
   bool is_ok = km_kept_clearance_create(&p->kept, p->m, arena) &&
                km_bounded_step_create(&p->step, (int)n, 2 * (int)n + km_kept_clearance_count(&p->kept), arena);
   return is_ok && !arena->failed ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the workspace");
@@ -191,7 +229,7 @@ static void add_limit(km_moved_point *p, int k, double sense, double slack) {
 /* Limits that a step can exceed. */
 static void add_limits(km_moved_point *p, int k) {
   int c = p->coordinate[k], ball = p->m->ball_of[c];
-  double q = p->s->q[c], sense = 1.0, reach = 1.01 * longest_step / p->m->scale[c];
+  double q = p->s->q[c], sense = 1.0, reach = 1.01 * p->longest[k] / p->m->scale[c];
   if (ball >= 0) {
     double room = p->m->max_ball_angle[c] - km_norm(p->s->q + c, 3);
     if (c == p->m->ball_coordinate[ball] && room < reach)
@@ -210,7 +248,7 @@ static void add_limits(km_moved_point *p, int k) {
 static void add_clearance(km_moved_point *p, int pair) {
   km_bounded_step *step = &p->step;
   double excess = km_kept_clearance_excess(&p->kept, pair) / p->m->length;
-  if (!(excess < longest_step))
+  if (!(excess < longest_step * p->reach / p->m->length))
     return;
   double *row = step->bound + step->bound_count * step->most_columns;
   km_clearance_gradient(p->kept.clearance, p->s, pair, &p->kept.pairs[pair], p->kept.gradient, NULL);
@@ -242,7 +280,8 @@ static double excess(km_moved_point *p) {
   return fmax(most, -km_kept_clearance_least(&p->kept, -1) / p->m->length);
 }
 
-bool km_moved_point_begin(km_moved_point *p) {
+/* Closes the loops of all parts, whose ranks steps then keep. */
+static bool close_loops(km_moved_point *p) {
   km_closure evidence;
   for (int i = 0; i < p->part_count; ++i) {
     km_loops_update(p->m, p->s, &p->m->substructures[p->part[i]]);
@@ -250,7 +289,11 @@ bool km_moved_point_begin(km_moved_point *p) {
       return false;
     p->rank[i] = km_factor_rank(p->s->factor[p->part[i]]);
   }
-  return update(p) && !(excess(p) > 0.0);
+  return update(p);
+}
+
+bool km_moved_point_begin(km_moved_point *p) {
+  return close_loops(p) && !(excess(p) > 0.0);
 }
 
 /* ---- Steps. */
@@ -301,10 +344,18 @@ static bool advance(km_moved_point *p, double length) {
   return true;
 }
 
+/* Length of a step over the longest one. */
+static double step_share(km_moved_point *p) {
+  double square = 0.0;
+  compute_step(p, 1.0);
+  for (int k = 0; k < p->columns; ++k)
+    square += p->z[k] * p->z[k] / (p->longest[k] * p->longest[k]);
+  return sqrt(square);
+}
+
 /* The part of a step that is taken: its length is limited. */
-static double taken_part(const km_moved_point *p) {
-  double length = km_norm(p->step.w, p->freedoms);
-  return length > longest_step ? longest_step / length : 1.0;
+static double taken_part(km_moved_point *p) {
+  return 1.0 / fmax(step_share(p), 1.0);
 }
 
 /* Moves back within the bounds by `most` minimum-norm steps. False: a bound is still exceeded. */
@@ -321,7 +372,7 @@ static bool return_to_bounds(km_moved_point *p, int most) {
 }
 
 bool km_moved_point_return(km_moved_point *p) {
-  return return_to_bounds(p, MOST_RETURNS) && update(p);
+  return close_loops(p) && return_to_bounds(p, MOST_RETURNS) && update(p);
 }
 
 /* Returns to the saved configuration `before`. */
@@ -378,16 +429,16 @@ km_point_end km_moved_point_move_to(km_moved_point *p, const double *target) {
   return KM_POINT_UNSETTLED;
 }
 
-bool km_moved_point_climb(km_moved_point *p, int axis, double sense, double most) {
-  double target[3], start = p->x[axis];
-  for (int i = 0; i < MOST_CLIMBS; ++i) {
+bool km_moved_point_find_extremum(km_moved_point *p, int axis, double sense) {
+  double target[3], start = p->x[axis], most = p->is_bounded ? HUGE_VAL : endless * p->reach;
+  for (int i = 0; i < MOST_TARGETS; ++i) {
     double before = p->x[axis];
     memcpy(target, p->x, sizeof target);
-    target[axis] += sense * climbing * p->m->length;
+    target[axis] += sense * target_distance * p->reach;
     km_point_end end = km_moved_point_move_to(p, target);
     if (end == KM_POINT_UNSETTLED)
       return true;
-    if (end == KM_POINT_BLOCKED && !(sense * (p->x[axis] - before) > regular_share * p->m->length))
+    if (end == KM_POINT_BLOCKED && !(sense * (p->x[axis] - before) > regular_share * p->reach))
       return true;
     if (!(fabs(p->x[axis] - start) < most))
       return false;
@@ -395,16 +446,15 @@ bool km_moved_point_climb(km_moved_point *p, int axis, double sense, double most
   return true;
 }
 
-void km_moved_point_wander(km_moved_point *p, uint64_t *random) {
+void km_moved_point_move_at_random(km_moved_point *p, uint64_t *random) {
   for (int f = 0; f < p->freedoms; ++f)
     p->step.w[f] = km_splitmix(random, -1.0, 1.0);
-  for (int i = 0; i < WANDER_STEPS; ++i) {
-    double length = km_norm(p->step.w, p->freedoms);
-    if (!(length > regular_share))
+  for (int i = 0; i < RANDOM_STEPS; ++i) {
+    double share = step_share(p);
+    if (!(share > regular_share))
       return;
     km_moved_point_save(p, p->before);
-    compute_step(p, longest_step / length);
-    if (!take_step(p, longest_step) || !update(p))
+    if (!take_step(p, compute_step(p, 1.0 / share)) || !update(p))
       return;
     for (int f = 0; f < p->freedoms; ++f) /* the direction, carried on */
       p->step.w[f] = km_dot(p->Z + f * p->columns, p->z, p->columns);
@@ -452,7 +502,6 @@ km_status km_moved_point_assemble(km_moved_point *p, uint64_t *random, bool *is_
   move_trees(p);
   if (p->keeps_limits)
     turn_into_limits(p);
-  km_moved_point_begin(p);
   *is_closed = km_moved_point_return(p);
   return KM_OK;
 }

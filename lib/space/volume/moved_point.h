@@ -32,6 +32,9 @@ typedef struct km_moved_point {
   int *part;        /* [part_count] */
   int *rank;        /* [part_count] rank of the Jacobian at the beginning: steps keep it */
   int columns;      /* coordinates of the parts, and of joints of none on the way */
+  double reach;     /* L and the strokes of slides and screws between limits, model's unit */
+  bool is_bounded;  /* all slides and screws have limits */
+  double *longest;  /* [columns] longest change in a step, scaled */
   int tree_start;   /* the first of the latter */
   int *coordinate;  /* [columns] */
   int freedoms;     /* rows of Z at the last update */
@@ -52,16 +55,17 @@ void km_moved_point_restore(km_moved_point *p, const double *saved);
 /* Closes the loops anew and updates Z, A and x. False if they are open, or a bound is exceeded: then
  * km_moved_point_return may help. */
 bool km_moved_point_begin(km_moved_point *p);
-/* Moves back within the bounds by minimum-norm steps. False: a bound is still exceeded. */
+/* Closes the loops anew and moves back within the bounds by minimum-norm steps. False: the loops are open, or a bound
+ * is still exceeded. */
 bool km_moved_point_return(km_moved_point *p);
 /* Rank of A, singular values below 1e-6 of the largest left out. */
 int km_moved_point_rank(km_moved_point *p);
 /* Moves the point to `target`[dimension] along the axes, to 1e-9 L, or as near as it gets. */
 km_point_end km_moved_point_move_to(km_moved_point *p, const double *target);
-/* Moves the point along ±axis as far as it gets. False: farther than `most`, or without end. */
-bool km_moved_point_climb(km_moved_point *p, int axis, double sense, double most);
-/* Moves on in a random direction of the configurations, up to a length of about a turn, or to a bound. */
-void km_moved_point_wander(km_moved_point *p, uint64_t *random);
+/* Moves the point along ±axis as far as it gets. False: a slide or screw without limits carries it on without end. */
+bool km_moved_point_find_extremum(km_moved_point *p, int axis, double sense);
+/* Moves on in a random direction of the configurations, up to half a turn, or to a bound. */
+void km_moved_point_move_at_random(km_moved_point *p, uint64_t *random);
 /* Starts from random values of all columns: closes the loops and moves within the bounds. KM_MEMORY. */
 km_status km_moved_point_assemble(km_moved_point *p, uint64_t *random, bool *is_closed);
 

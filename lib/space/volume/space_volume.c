@@ -13,7 +13,7 @@
 
 #include <string.h>
 
-enum { MOST_BOXES = 5, MOST_JOBS = 64 };
+enum { MOST_BOXES = 5 /* the examples of models/ take one or two */, MOST_JOBS = 64 };
 static const double quantile = 1.959963984540054; /* 0.975 of the normal distribution */
 
 static km_status no_memory(km_error *error) {
@@ -54,18 +54,40 @@ static km_status create_points(km_volume_search *g, const km_mechanism *m, km_er
   return g->point ? status : no_memory(error);
 }
 
-/* Chooses cells that are nearly cubes, half as many as samples are requested. */
+static double extent(const km_space_volume *v, int axis) {
+  return v->box_high[axis] - v->box_low[axis];
+}
+
+/* The shortest axis without cells. *volume: of the box along all of these. */
+static int shortest_axis(const km_space_volume *v, double *volume) {
+  int shortest = -1;
+  *volume = 1.0;
+  for (int k = 0; k < v->dimension; ++k) {
+    if (v->cells[k] > 0)
+      continue;
+    *volume *= extent(v, k);
+    if (shortest < 0 || extent(v, k) < extent(v, shortest))
+      shortest = k;
+  }
+  return shortest;
+}
+
+/* Divides the box into cells, at most half as many as samples are requested. Each axis in turn, the shortest first, has
+ * cells as long as the sides of cubes of the share that is left; the last one takes what is left. */
 static void choose_cells(km_volume_search *g) {
   km_space_volume *out = g->out;
-  int requested = g->def->samples > 0 ? g->def->samples : KM_DEFAULT_VOLUME_SAMPLES;
-  double volume = 1.0;
-  for (int k = 0; k < out->dimension; ++k)
-    volume *= out->box_high[k] - out->box_low[k];
-  double width = pow(2.0 * volume / requested, 1.0 / out->dimension);
+  int left = (g->def->samples > 0 ? g->def->samples : KM_DEFAULT_VOLUME_SAMPLES) / 2;
+  memcpy(out->box_low, g->low, sizeof out->box_low);
+  memcpy(out->box_high, g->high, sizeof out->box_high);
+  memset(out->cells, 0, sizeof out->cells);
   out->samples = 2;
-  for (int k = 0; k < out->dimension; ++k) {
-    out->cells[k] = (int)fmin(fmax(round((out->box_high[k] - out->box_low[k]) / width), 1.0), requested);
+  for (int axes = out->dimension; axes > 0; --axes) {
+    double volume;
+    int k = shortest_axis(out, &volume);
+    double width = pow(volume / left, 1.0 / axes);
+    out->cells[k] = axes == 1 ? left : (int)fmax(round(extent(out, k) / width), 1.0);
     out->samples *= out->cells[k];
+    left /= out->cells[k];
   }
 }
 
@@ -85,9 +107,8 @@ static void estimate(const km_volume_search *g) {
   km_space_volume *out = g->out;
   double cell = 1.0, box = 1.0;
   for (int k = 0; k < out->dimension; ++k) {
-    double extent = out->box_high[k] - out->box_low[k];
-    box *= extent;
-    cell *= extent / out->cells[k];
+    box *= extent(out, k);
+    cell *= extent(out, k) / out->cells[k];
   }
   for (int i = 0; i < out->samples; ++i) {
     const km_volume_sample *sample = &g->samples[i];
@@ -139,36 +160,39 @@ static km_status write_points(km_volume_search *g, const km_state *state, km_err
   return is_ok ? KM_OK : no_memory(error);
 }
 
-/* Decides samples in larger and larger boxes, until the box has all known configurations. */
-static km_status search(km_volume_search *g, const km_state *state, km_error *error) {
-  km_space_volume *out = g->out;
+/* Decides samples in larger and larger boxes, until the box has all known configurations. KM_CANCELLED: the samples of
+ * the last box are decided so far. */
+static km_status decide_boxes(km_volume_search *g, km_error *error) {
   bool is_grown = true;
-  km_status status = km_volume_start(g, state, error), ended = KM_OK;
-  out->dimension = g->point[0].dimension;
-  for (int k = 0; k < 3; ++k) {
-    out->box_low[k] = HUGE_VAL;
-    out->box_high[k] = -HUGE_VAL;
-  }
-  if (!status)
-    status = km_volume_find_box(g, &is_grown, error);
-  for (int i = 0; !status && !ended && is_grown && i < MOST_BOXES; ++i) {
+  km_status status = km_volume_find_box(g, &is_grown, error);
+  for (int i = 0; !status && is_grown && i < MOST_BOXES; ++i) {
     choose_cells(g);
-    status = allocate_samples(g) ? KM_OK : no_memory(error);
-    ended = status ? KM_OK : km_volume_decide(g, error);
-    if (ended == KM_MEMORY)
-      return ended;
-    if (!status && !ended)
+    status = allocate_samples(g) ? km_volume_decide(g, error) : no_memory(error);
+    if (!status)
       status = km_volume_find_box(g, &is_grown, error);
   }
-  if (status)
+  g->out->is_complete = g->out->is_complete && !is_grown;
+  return status;
+}
+
+static km_status search(km_volume_search *g, const km_state *state, km_error *error) {
+  km_space_volume *out = g->out;
+  km_status status = km_volume_start(g, state, error);
+  out->dimension = g->point[0].dimension;
+  for (int k = 0; k < 3; ++k) {
+    g->low[k] = HUGE_VAL;
+    g->high[k] = -HUGE_VAL;
+  }
+  if (!status)
+    status = decide_boxes(g, error);
+  if (status && (status != KM_CANCELLED || out->samples == 0))
     return status;
-  out->is_complete = out->is_complete && !is_grown;
   estimate(g);
   for (int k = 0; k < out->dimension; ++k)
     memcpy(out->axis[k], (const double[]){g->point[0].axis[k].x, g->point[0].axis[k].y, g->point[0].axis[k].z},
            sizeof out->axis[k]);
-  status = write_points(g, state, error);
-  return status ? status : ended;
+  km_status written = write_points(g, state, error);
+  return written ? written : status;
 }
 
 static void free_search(km_volume_search *g) {

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { STARTS = 4, MOST_ROUNDS = 100, SHARE = 64 };
+enum { STARTS = 4 };
 
 static km_status no_memory(km_error *error) {
   return km_fail(error, KM_MEMORY, "out of memory for the samples");
@@ -146,15 +146,16 @@ static long list_open(km_volume_search *g) {
   return attempts;
 }
 
-/* Makes the attempts of a round, share by share. KM_CANCELLED: the caller ends them. */
+/* Makes the attempts of a round, share by share. Each round is half of the progress that is left. KM_CANCELLED: the
+ * caller ends them. */
 static km_status attempt_round(km_volume_search *g, int round, km_error *error) {
   for (g->share_first = 0; g->share_first < g->open_count; g->share_first += g->share_count) {
     int left = g->open_count - g->share_first;
-    g->share_count = left < SHARE * g->jobs ? left : SHARE * g->jobs;
+    g->share_count = left < KM_VOLUME_SHARE * g->jobs ? left : KM_VOLUME_SHARE * g->jobs;
     km_parallel_for(g->jobs, g->jobs, attempt_share, g);
-    double done = 1.0 - (1.0 - (double)g->share_first / g->open_count) * pow(0.5, round + 1);
-    if (g->progress && !g->progress(g->context, done))
-      return km_fail(error, KM_CANCELLED, "stopped while samples were decided");
+    km_status status = km_volume_report(g, 1.0 - (1.0 - 0.5 * g->share_first / g->open_count) * pow(0.5, round), error);
+    if (status)
+      return status;
   }
   return KM_OK;
 }
@@ -174,7 +175,7 @@ km_status km_volume_decide(km_volume_search *g, km_error *error) {
   km_status status = KM_OK;
   place_samples(g);
   long before = -1, attempts = list_open(g);
-  for (int round = 0; !status && attempts > before && round < MOST_ROUNDS; ++round) {
+  for (int round = 0; !status && attempts > before; ++round) {
     before = attempts;
     status = sort_known(g) ? attempt_round(g, round, error) : no_memory(error);
     if (status != KM_MEMORY && add_reached(g, NULL))

@@ -5,15 +5,16 @@
 #include "space/volume/moved_point.h"
 
 enum {
-  KM_VOLUME_ATTEMPTS = 8,      /* that end where no motion brings the point nearer, for a sample that isn't reached */
-  KM_MOST_VOLUME_ATTEMPTS = 24 /* most attempts of a sample */
+  KM_VOLUME_ATTEMPTS = 8,       /* that end where no motion brings the point nearer, for a sample that isn't reached */
+  KM_MOST_VOLUME_ATTEMPTS = 24, /* most attempts of a sample */
+  KM_VOLUME_SHARE = 16          /* samples or configurations of each thread from one report of progress to the next */
 };
 
 /* A known configuration. */
 typedef struct km_known_point {
   double x[3];
   const double *saved;
-  bool is_start; /* made by a random closure or motion, not for a sample */
+  bool is_start; /* found by a random closure or motion, not for a sample */
 } km_known_point;
 
 /* A known configuration in the order of x[0]. */
@@ -47,6 +48,7 @@ typedef struct km_volume_search {
   int order_count;
   size_t order_capacity;
   km_volume_sample *samples;    /* [out->samples] */
+  double low[3], high[3];       /* the box of all known configurations; that of the samples is out's */
   double *saved;                /* [sample][saved_size] configurations of those reached */
   int *open, open_count;        /* samples of the present round */
   int share_first, share_count; /* range of the present share in `open` */
@@ -64,8 +66,11 @@ static inline uint64_t km_volume_random(const km_volume_search *g, int number) {
   return (uint64_t)g->def->seed * 0x9E3779B97F4A7C15u + (uint64_t)number * 0xD1B54A32D192ED03u;
 }
 
-/* Climbs along each axis from the configurations that are farthest there. *is_grown: the box was too small. */
+/* Moves along each axis from the configurations that are farthest there. *is_grown: the box was too small. KM_USAGE: it
+ * has no end. KM_CANCELLED: *is_grown is as before. */
 km_status km_volume_find_box(km_volume_search *g, bool *is_grown, km_error *error);
+/* Reports progress: that of the first configurations is a part of it. KM_CANCELLED: the caller ends the work. */
+km_status km_volume_report(const km_volume_search *g, double done, km_error *error);
 /* Decides the samples of the box. */
 km_status km_volume_decide(km_volume_search *g, km_error *error);
 

@@ -3,7 +3,7 @@
  *   closures : random values of all coordinates, then the loops are closed
  *   motions  : straight in the tangent space from a known configuration, carried on, until a bound or about a turn
  *   plane    : the points' differences d_i by Gram-Schmidt, the longest remainder first; its normal is orthogonal
- *   box      : extrema of each coordinate, by climbs from the farthest known points; 0.5 % more at each end */
+ *   box      : extrema of each coordinate, from the farthest known points on; 0.5 % more at each end */
 #include "space/surface/point_surface.h"
 #include "space/volume/volume_search.h"
 
@@ -11,10 +11,16 @@
 
 #include <string.h>
 
-enum { CLOSURES = 256, MOTIONS = 1024, BATCH = 64, CLIMBS = 8 };
-static const double flat = 1e-8;        /* remainder of the longest difference that is none */
+enum {
+  CLOSURES = 256,
+  MOTIONS = 1024,
+  GROUP = 64, /* searches whose configurations the next ones begin at */
+  EXTREMA = 8 /* searches for each end of the box */
+};
+static const double flat = 1e-8;        /* remainder of the longest difference that is none: closed to 1e-12 L */
 static const double box_margin = 0.005; /* part of the extent, at each end */
-static const double endless = 100.0;    /* extent over L of a workspace without end */
+static const double closures_end = 0.2; /* 256 of 1280 searches */
+static const double start_part = 0.05;  /* 2 to 4 % of the time of 10 000 samples in models/ are before them */
 
 static km_status no_memory(km_error *error) {
   return km_fail(error, KM_MEMORY, "out of memory for the workspace");
@@ -32,85 +38,108 @@ bool km_volume_add_known(km_volume_search *g, const double *x, const double *sav
   return true;
 }
 
-/* ---- Batches of configurations, each made from its number alone. */
+km_status km_volume_report(const km_volume_search *g, double done, km_error *error) {
+  bool has_samples = g->out->samples > 0;
+  if (!g->progress || g->progress(g->context, has_samples ? start_part + (1.0 - start_part) * done : start_part * done))
+    return KM_OK;
+  return km_fail(error, KM_CANCELLED, "stopped before %s decided", has_samples ? "all samples were" : "any sample was");
+}
 
-typedef enum made { MADE_NONE, MADE, MADE_ENDLESS, MADE_WITHOUT_MEMORY } made;
+/* ---- Searches for configurations, each of which depends on its number alone. */
 
-typedef struct batch {
+typedef enum outcome { OUTCOME_NONE, OUTCOME_FOUND, OUTCOME_ENDLESS, OUTCOME_NO_MEMORY } outcome;
+
+typedef struct search_group {
   km_volume_search *g;
-  int first, count;                                                      /* their numbers */
-  const int *from;                                                       /* [count] known configurations of climbs */
-  double *saved;                                                         /* [count][saved_size] */
-  double (*x)[3];                                                        /* [count] */
-  made *result;                                                          /* [count] */
-  int *rank;                                                             /* [count] of the point's motions */
-  made (*make)(const struct batch *batch, km_moved_point *p, int index); /* makes one */
-} batch;
+  int first, count;             /* their numbers */
+  double begin, end;            /* part of the progress before them, and after */
+  const int *from;              /* [count] known configurations at which searches for extrema begin */
+  double *saved;                /* [count][saved_size] configurations found */
+  double (*x)[3];               /* [count] their points */
+  outcome *result;              /* [count] */
+  int *rank;                    /* [count] of the point's motions */
+  int share_first, share_count; /* range of the present share */
+  outcome (*find)(const struct search_group *group, km_moved_point *p, int index); /* one search */
+} search_group;
 
-static made make_closure(const batch *b, km_moved_point *p, int index) {
-  uint64_t random = km_volume_random(b->g, b->first + index);
+static outcome find_closure(const search_group *s, km_moved_point *p, int index) {
+  uint64_t random = km_volume_random(s->g, s->first + index);
   bool is_closed;
-  km_moved_point_restore(p, b->g->home);
+  km_moved_point_restore(p, s->g->home);
   if (km_moved_point_assemble(p, &random, &is_closed))
-    return MADE_WITHOUT_MEMORY;
-  return is_closed ? MADE : MADE_NONE;
+    return OUTCOME_NO_MEMORY;
+  return is_closed ? OUTCOME_FOUND : OUTCOME_NONE;
 }
 
-static made make_motion(const batch *b, km_moved_point *p, int index) {
-  uint64_t random = km_volume_random(b->g, CLOSURES + b->first + index);
-  km_moved_point_restore(p, b->g->known[(int)km_splitmix(&random, 0.0, b->g->known_count)].saved);
+static outcome find_by_motion(const search_group *s, km_moved_point *p, int index) {
+  uint64_t random = km_volume_random(s->g, CLOSURES + s->first + index);
+  km_moved_point_restore(p, s->g->known[(int)km_splitmix(&random, 0.0, s->g->known_count)].saved);
   if (!km_moved_point_begin(p))
-    return MADE_NONE;
-  km_moved_point_wander(p, &random);
-  return MADE;
+    return OUTCOME_NONE;
+  km_moved_point_move_at_random(p, &random);
+  return OUTCOME_FOUND;
 }
 
-static made make_climb(const batch *b, km_moved_point *p, int index) {
-  int end = index / CLIMBS;
-  km_moved_point_restore(p, b->g->known[b->from[index]].saved);
+static outcome find_extremum(const search_group *s, km_moved_point *p, int index) {
+  int end = index / EXTREMA;
+  km_moved_point_restore(p, s->g->known[s->from[index]].saved);
   if (!km_moved_point_begin(p))
-    return MADE_NONE;
-  return km_moved_point_climb(p, end / 2, end % 2 == 0 ? -1.0 : 1.0, endless * p->m->length) ? MADE : MADE_ENDLESS;
+    return OUTCOME_NONE;
+  return km_moved_point_find_extremum(p, end / 2, end % 2 == 0 ? -1.0 : 1.0) ? OUTCOME_FOUND : OUTCOME_ENDLESS;
 }
 
-static void make_share(void *context, int job) {
-  batch *b = context;
-  km_moved_point *p = &b->g->point[job];
-  for (int i = job; i < b->count; i += b->g->jobs) {
-    b->result[i] = b->make(b, p, i);
-    b->rank[i] = km_moved_point_rank(p);
-    km_moved_point_save(p, b->saved + (size_t)i * p->saved_size);
-    memcpy(b->x[i], p->x, sizeof b->x[i]);
+static void search_share(void *context, int job) {
+  search_group *s = context;
+  km_moved_point *p = &s->g->point[job];
+  for (int i = s->share_first + job; i < s->share_first + s->share_count; i += s->g->jobs) {
+    s->result[i] = s->find(s, p, i);
+    s->rank[i] = km_moved_point_rank(p);
+    km_moved_point_save(p, s->saved + (size_t)i * p->saved_size);
+    memcpy(s->x[i], p->x, sizeof s->x[i]);
   }
 }
 
-static km_status make_all(batch *b, km_error *error) {
-  km_volume_search *g = b->g;
-  size_t size = g->point[0].saved_size, count = (size_t)b->count;
-  b->saved = KM_ARENA_NEW(&g->arena, double, count *size);
-  b->result = KM_ARENA_NEW(&g->arena, made, count);
-  b->rank = KM_ARENA_NEW(&g->arena, int, count);
-  void *x = km_arena_alloc(&g->arena, count, sizeof *b->x);
-  b->x = x;
+/* Makes the searches share by share. KM_CANCELLED: the caller ends them. */
+static km_status search_shares(search_group *s, km_error *error) {
+  int most = KM_VOLUME_SHARE * s->g->jobs;
+  km_status status = KM_OK;
+  for (s->share_first = 0; !status && s->share_first < s->count; s->share_first += s->share_count) {
+    int left = s->count - s->share_first;
+    s->share_count = left < most ? left : most;
+    status = km_volume_report(s->g, s->begin + (s->end - s->begin) * s->share_first / s->count, error);
+    if (!status)
+      km_parallel_for(s->g->jobs, s->g->jobs, search_share, s);
+  }
+  return status;
+}
+
+static km_status search_all(search_group *s, km_error *error) {
+  km_volume_search *g = s->g;
+  size_t size = g->point[0].saved_size, count = (size_t)s->count;
+  s->saved = KM_ARENA_NEW(&g->arena, double, count *size);
+  s->result = KM_ARENA_NEW(&g->arena, outcome, count);
+  s->rank = KM_ARENA_NEW(&g->arena, int, count);
+  void *x = km_arena_alloc(&g->arena, count, sizeof *s->x);
+  s->x = x;
   if (g->arena.failed)
     return no_memory(error);
-  km_parallel_for(g->jobs, g->jobs, make_share, b);
-  for (int i = 0; i < b->count; ++i) {
-    if (b->result[i] == MADE_WITHOUT_MEMORY)
+  km_status status = search_shares(s, error);
+  for (int i = 0; !status && i < s->count; ++i) {
+    if (s->result[i] == OUTCOME_NO_MEMORY)
       return no_memory(error);
-    if (b->result[i] == MADE && b->rank[i] > g->rank)
-      g->rank = b->rank[i];
+    if (s->result[i] == OUTCOME_FOUND && s->rank[i] > g->rank)
+      g->rank = s->rank[i];
   }
-  return KM_OK;
+  return status;
 }
 
-/* Makes a batch and adds its configurations in order, but those in which the point has fewer motions than in others. */
-static km_status add_batch(batch *b, km_error *error) {
-  km_volume_search *g = b->g;
-  km_status status = make_all(b, error);
-  for (int i = 0; !status && i < b->count; ++i)
-    if (b->result[i] == MADE && b->rank[i] == g->rank &&
-        !km_volume_add_known(g, b->x[i], b->saved + (size_t)i * g->point[0].saved_size, true))
+/* Adds the configurations of searches in order, but those in which the point has fewer motions than in others. */
+static km_status add_found(search_group *s, km_error *error) {
+  km_volume_search *g = s->g;
+  km_status status = search_all(s, error);
+  for (int i = 0; !status && i < s->count; ++i)
+    if (s->result[i] == OUTCOME_FOUND && s->rank[i] == g->rank &&
+        !km_volume_add_known(g, s->x[i], s->saved + (size_t)i * g->point[0].saved_size, true))
       return no_memory(error);
   return status;
 }
@@ -126,7 +155,7 @@ static km_status add_home(km_volume_search *g, const km_state *state, km_error *
     return no_memory(error);
   km_moved_point_save(p, g->home);
   km_moved_point_restore(p, g->home);
-  bool is_within = km_moved_point_begin(p) || km_moved_point_return(p);
+  bool is_within = km_moved_point_return(p);
   km_moved_point_save(p, g->home + p->saved_size);
   return !is_within || km_volume_add_known(g, p->x, g->home + p->saved_size, true) ? KM_OK : no_memory(error);
 }
@@ -203,27 +232,33 @@ static km_status find_plane(km_volume_search *g, km_error *error) {
 
 km_status km_volume_start(km_volume_search *g, const km_state *state, km_error *error) {
   km_status status = add_home(g, state, error);
-  batch closures = {.g = g, .count = CLOSURES, .make = make_closure};
+  search_group closures = {.g = g, .count = CLOSURES, .end = closures_end, .find = find_closure};
   if (!status && !g->def->own_circuit)
-    status = add_batch(&closures, error);
+    status = add_found(&closures, error);
   if (!status && g->known_count == 0)
     status = km_fail(error, KM_NO_RESULT, "no configuration was found%s%s",
                      g->def->within_limits ? " within the limits" : "", g->def->clearance ? " with the clearance" : "");
-  for (int first = 0; !status && first < MOTIONS; first += BATCH) {
-    batch motions = {.g = g, .first = first, .count = BATCH, .make = make_motion};
-    status = add_batch(&motions, error);
+  for (int first = 0; !status && first < MOTIONS; first += GROUP) {
+    const double part = (1.0 - closures_end) / MOTIONS;
+    search_group motions = {.g = g,
+                            .first = first,
+                            .count = GROUP,
+                            .begin = closures_end + part * first,
+                            .end = closures_end + part * (first + GROUP),
+                            .find = find_by_motion};
+    status = add_found(&motions, error);
   }
   return status ? status : find_plane(g, error);
 }
 
 /* ---- The box. */
 
-/* Known configurations from which climbs along an axis begin: the farthest, and others by chance. */
+/* Known configurations at which searches for an end of an axis begin: the farthest, and others by chance. */
 static void choose_starts(const km_volume_search *g, int axis, double sense, int *from) {
   uint64_t random = km_volume_random(g, -1 - axis);
-  for (int k = 0; k < CLIMBS; ++k) {
+  for (int k = 0; k < EXTREMA; ++k) {
     from[k] = (int)km_splitmix(&random, 0.0, g->known_count);
-    for (int i = 0; k < CLIMBS / 2 && i < g->known_count; ++i) {
+    for (int i = 0; k < EXTREMA / 2 && i < g->known_count; ++i) {
       bool is_chosen = false;
       for (int j = 0; j < k; ++j)
         is_chosen = is_chosen || from[j] == i;
@@ -233,45 +268,53 @@ static void choose_starts(const km_volume_search *g, int axis, double sense, int
   }
 }
 
-/* Extends low and high by the places of the known points and of the climbs' ends. KM_USAGE: a climb has no end. */
-static km_status find_extent(const km_volume_search *g, const batch *climbs, double *low, double *high,
+/* Extends low and high by a place. */
+static void extend(double *low, double *high, const double *x, int dimension) {
+  for (int k = 0; k < dimension; ++k) {
+    low[k] = fmin(low[k], x[k]);
+    high[k] = fmax(high[k], x[k]);
+  }
+}
+
+/* Ends of the known points and of the extrema. KM_USAGE: an extremum doesn't exist. */
+static km_status find_extent(const km_volume_search *g, const search_group *extrema, double *low, double *high,
                              km_error *error) {
-  for (int k = 0; k < g->point[0].dimension; ++k) {
+  int dimension = g->point[0].dimension;
+  for (int k = 0; k < dimension; ++k) {
     low[k] = HUGE_VAL;
     high[k] = -HUGE_VAL;
-    for (int i = 0; i < g->known_count + climbs->count; ++i) {
-      const double *x = i < g->known_count ? g->known[i].x : climbs->x[i - g->known_count];
-      made result = i < g->known_count ? MADE : climbs->result[i - g->known_count];
-      if (result == MADE_ENDLESS)
-        return km_fail(
-            error, KM_USAGE,
-            "point \"%s\" moves without end; expected a workspace that ends (with --limits those of slides end "
-            "it)",
-            g->def->point_name);
-      if (result == MADE) {
-        low[k] = fmin(low[k], x[k]);
-        high[k] = fmax(high[k], x[k]);
-      }
-    }
+  }
+  for (int i = 0; i < g->known_count; ++i)
+    extend(low, high, g->known[i].x, dimension);
+  for (int i = 0; i < extrema->count; ++i) {
+    if (extrema->result[i] == OUTCOME_ENDLESS)
+      return km_fail(error, KM_USAGE,
+                     "point \"%s\" moves without end; expected limits of the slides and screws that carry it%s",
+                     g->def->point_name, g->def->within_limits ? "" : ", and --limits");
+    if (extrema->result[i] == OUTCOME_FOUND)
+      extend(low, high, extrema->x[i], dimension);
   }
   return KM_OK;
 }
 
 km_status km_volume_find_box(km_volume_search *g, bool *is_grown, km_error *error) {
-  int dimension = g->point[0].dimension, from[6 * CLIMBS];
+  int dimension = g->point[0].dimension, from[6 * EXTREMA];
   double low[3], high[3];
   for (int end = 0; end < 2 * dimension; ++end)
-    choose_starts(g, end / 2, end % 2 == 0 ? -1.0 : 1.0, from + end * CLIMBS);
-  batch climbs = {.g = g, .count = 2 * dimension * CLIMBS, .from = from, .make = make_climb};
-  km_status status = make_all(&climbs, error);
+    choose_starts(g, end / 2, end % 2 == 0 ? -1.0 : 1.0, from + end * EXTREMA);
+  search_group extrema = {
+      .g = g, .count = 2 * dimension * EXTREMA, .begin = 1.0, .end = 1.0, .from = from, .find = find_extremum};
+  km_status status = search_all(&extrema, error);
   if (!status)
-    status = find_extent(g, &climbs, low, high, error);
+    status = find_extent(g, &extrema, low, high, error);
+  if (status)
+    return status;
   *is_grown = false;
-  for (int k = 0; !status && k < dimension; ++k)
-    if (low[k] < g->out->box_low[k] || high[k] > g->out->box_high[k]) {
+  for (int k = 0; k < dimension; ++k)
+    if (low[k] < g->low[k] || high[k] > g->high[k]) {
       *is_grown = true;
-      g->out->box_low[k] = low[k] - box_margin * (high[k] - low[k]);
-      g->out->box_high[k] = high[k] + box_margin * (high[k] - low[k]);
+      g->low[k] = low[k] - box_margin * (high[k] - low[k]);
+      g->high[k] = high[k] + box_margin * (high[k] - low[k]);
     }
-  return status;
+  return KM_OK;
 }
