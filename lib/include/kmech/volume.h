@@ -58,13 +58,13 @@ typedef struct km_space_volume {
 } km_space_volume;
 
 /* Finds how large the workspace of a point is. The box is found by moving the point along each axis from many
- * configurations on, and is 1 % larger. Two random points are decided in each of its cells: the point is moved to them from the nearest
- * known configurations, which begin with random closures of the loops and motions from there. Every sample reached is
- * closed to 1e-12 and exact to 1e-9 of the characteristic length. That a sample isn't reached is the evidence of eight
- * attempts, no proof. KM_USAGE: an index, a number of samples or a clearance is invalid, the point doesn't move in
- * three directions or over a plane, or moves without end; KM_NO_RESULT: no configuration is within limits and
- * clearance; KM_MEMORY; KM_CANCELLED: `*out` has the samples decided so far, others are undecided; no samples before the first is decided. Free `*out` in any
- * case. O(samples · attempts · steps · rank³). */
+ * configurations on, and is 1 % larger. Two random points are decided in each of its cells: the point is moved to them
+ * from the nearest known configurations, which begin with random closures of the loops and motions from there. Every
+ * sample reached is closed to 1e-12 and exact to 1e-9 of the characteristic length. That a sample isn't reached is the
+ * evidence of eight attempts, no proof. KM_USAGE: an index, a number of samples or a clearance is invalid, the point
+ * doesn't move in three directions or over a plane, or moves without end; KM_NO_RESULT: no configuration is within
+ * limits and clearance; KM_MEMORY; KM_CANCELLED: `*out` has the samples decided so far, others are undecided; no
+ * samples before the first is decided. Free `*out` in any case. O(samples · attempts · steps · rank³). */
 KM_API km_status km_space_volume_find(const km_mechanism *mechanism, const km_state *state,
                                       const km_space_volume_def *def, km_progress progress, void *context,
                                       km_space_volume *out, km_error *error);

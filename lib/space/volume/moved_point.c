@@ -18,7 +18,7 @@ enum {
   MOST_TARGETS = 1000, /* five times those that end a workspace without end */
   MOST_RETURNS = 20,
   STEP_RETURNS = 3,
-  RANDOM_STEPS = 12 /* about half a turn in all */
+  RANDOM_STEPS = 12 /* half a turn in all */
 };
 static const double reached = 1e-9;        /* distance over L of a point that is there */
 static const double longest_step = 0.3;    /* radians; lengths over the larger of L and the stroke */
