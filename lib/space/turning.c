@@ -329,7 +329,8 @@ static km_status search(turning_search *g, const km_all_modes *modes, km_turning
   out->curve_count = km_surface_curves_count(g->curves);
   out->modes = modes->count > 0 ? modes->count : 1;
   out->is_complete = modes->is_complete;
-  if (!status && !copy_points(g, out))
+  out->gap = modes->gap;
+  if ((!status || status == KM_CANCELLED) && !copy_points(g, out))
     status = km_fail(error, KM_MEMORY, "out of memory for the critical values");
   km_progress_stage_next(&g->stage, 1.0);
   return status ? status : examine_intervals(g, own, out, error);
@@ -352,6 +353,11 @@ km_status km_turning_find(const km_mechanism *m, const km_state *s, const km_tur
     status = find_modes(m, s, &g, &modes, error);
   if (!status)
     status = search(&g, &modes, out, error);
+  if (status == KM_CANCELLED) {
+    out->interval_count = 0;
+    out->is_complete = false;
+    out->gap = KM_GAP_STOPPED;
+  }
   km_all_modes_free(&modes);
   km_surface_curves_free(g.curves);
   km_design_number_close(&g.number);

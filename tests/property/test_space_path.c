@@ -326,6 +326,46 @@ static bool stop_at_once(void *context, double done) {
   return false;
 }
 
+/* A search that is ended has the trees that it has grown: every configuration is allowed, and one step from its
+ * parent. */
+static void a_stopped_search_keeps_its_trees(void **state) {
+  (void)state;
+  fixture f = fixture_open("five_bar");
+  const int drivers[2] = {fixture_coordinate(&f, "A"), fixture_coordinate(&f, "E")};
+  const double around[2] = {2.9, -2.9};
+  const km_space_path_def def = {.drivers = drivers,
+                                 .driver_count = 2,
+                                 .to_drivers = around,
+                                 .condition = stay_within,
+                                 .context = (void *)(size_t)drivers};
+  km_space_path path;
+  km_error error;
+  assert_int_equal(km_space_path_find(f.mechanism, f.state, &def, stop_at_once, NULL, &path, &error), KM_CANCELLED);
+  assert_int_equal(path.outcome, KM_SPACE_PATH_STOPPED);
+  assert_int_equal(km_table_rows(path.table), 0);
+  size_t rows = km_table_rows(path.explored), ends = 0;
+  assert_true(rows > 10 && rows == (size_t)path.configurations);
+  for (size_t r = 0; r < rows; ++r) {
+    double parent = table_cell(path.explored, r, "parent"), tree = table_cell(path.explored, r, "tree");
+    double A = table_cell(path.explored, r, "q.A"), E = table_cell(path.explored, r, "q.E");
+    assert_true(table_cell(path.explored, r, "sigma.input") >= KM_DEFAULT_PATH_MARGIN);
+    assert_true(fabs(A) < 3.0 && fabs(E) < 3.0);
+    if (parent < 0.0) {
+      bool is_start = tree == 1.0;
+      ++ends;
+      assert_at_most(hypot(A - (is_start ? 0.0 : around[0]), E - (is_start ? 0.0 : around[1])), 1e-12);
+      continue;
+    }
+    assert_true(parent < (double)r && table_cell(path.explored, (size_t)parent, "tree") == tree);
+    double dA = A - table_cell(path.explored, (size_t)parent, "q.A");
+    double dE = E - table_cell(path.explored, (size_t)parent, "q.E");
+    assert_true(hypot(dA, dE) > 0.0 && hypot(dA, dE) <= 0.04 * (1.0 + 1e-9));
+  }
+  assert_true(ends >= 2);
+  km_space_path_free(&path);
+  fixture_close(&f);
+}
+
 static void conditions_and_refusals(void **state) {
   (void)state;
   fixture f = fixture_open("five_bar");
@@ -351,15 +391,6 @@ static void conditions_and_refusals(void **state) {
     assert_int_equal(km_space_path_find(f.mechanism, f.state, &bad[k], NULL, NULL, &path, &error), KM_USAGE);
     km_space_path_free(&path);
   }
-  const double around[2] = {2.9, -2.9};
-  const km_space_path_def cancelled = {.drivers = drivers,
-                                       .driver_count = 2,
-                                       .to_drivers = around,
-                                       .condition = stay_within,
-                                       .context = (void *)(size_t)drivers};
-  assert_int_equal(km_space_path_find(f.mechanism, f.state, &cancelled, stop_at_once, NULL, &path, &error),
-                   KM_CANCELLED);
-  km_space_path_free(&path);
   assert_string_equal(km_space_path_outcome_name(KM_SPACE_PATH_SEPARATED), "separated");
   assert_string_equal(km_space_path_outcome_name((km_space_path_outcome)9), "");
   fixture_close(&f);
@@ -501,6 +532,7 @@ int main(void) {
                                      cmocka_unit_test(platforms_keep_the_sign_of_their_lines),
                                      cmocka_unit_test(lines_meet_on_the_curves_of_a_slice),
                                      cmocka_unit_test(opposite_modes_are_separated),
+                                     cmocka_unit_test(a_stopped_search_keeps_its_trees),
                                      cmocka_unit_test(conditions_and_refusals),
                                      cmocka_unit_test(arms_go_around_obstacles),
                                      cmocka_unit_test(a_7r_arm_goes_around_a_ball),

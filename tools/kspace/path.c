@@ -135,7 +135,9 @@ static kt_exit write_format(const void *context, kt_format format, const km_text
   const kspace_path_answer *a = f->answer;
   (void)record; /* the file is the model that plays the path */
   if (a->path.outcome != KM_SPACE_PATH_FOUND)
-    return KT_DONE;
+    return format == KT_CSV && km_table_rows(a->path.explored) > 0
+               ? kspace_write_csv(&o->common, o->files.base, a->path.explored, "explored")
+               : KT_DONE;
   if (format == KT_CSV)
     return kspace_write_csv(&o->common, o->files.base, a->path.table, "path");
   if (format != KT_JSON)
@@ -210,12 +212,16 @@ static kt_exit find_path(const options *o, const kt_pose *to, const double *valu
                                  .condition = kept->clearance ? keeps_clearance : NULL,
                                  .context = kept};
   kt_progress progress = kt_progress_start(&o->common);
+  kt_interrupts_catch();
   if (!status)
     status = km_space_path_find(from->mechanism, from->state, &def, kt_progress_show, &progress, &a->path, &error);
+  kt_interrupts_release();
   kt_progress_end(&progress);
+  km_free(end);
+  if (status == KM_CANCELLED && kt_is_interrupted())
+    return KT_DONE; /* the answer says so */
   if (status)
     kt_print_message(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
-  km_free(end);
   return kt_exit_of(status);
 }
 
@@ -270,7 +276,7 @@ kt_exit kspace_path(int argc, char **argv) {
        KT_TEXT_OF("csv or json or svg or pdf or png"), &o.format, KT_ABOUT_FILES},
       KT_BASE(
           &o.files.base,
-          "Write BASE.path.csv, .svg … where a path was found (default where --format states a file: the model's name)"),
+          "Write BASE.path.csv, .svg … where a path was found, else BASE.explored.csv (default where --format states a file: the model's name)"),
   };
   KT_OPTIONS_ADD(&all, own);
   all.operand = (kt_operand){"model", "MODEL", true, &o.model, NULL};
@@ -284,9 +290,11 @@ kt_exit kspace_path(int argc, char **argv) {
       "ends there is no path, and that is certain. Otherwise the straight path is tried first, then two trees of configurations grow "
       "from both ends until they meet, the path is shortened, and its corners are rounded under the same conditions. Another --seed may find another path. With --format json the "
       "model is written with its drivers prescribed over time along the path, at rest at both ends, for ksim inverse; without -o the "
-      "record is printed. Its keys beside those of every record: drivers, outcome (found, separated, end, not found), end (start or "
+      "record is printed. A search that found none writes the configurations that it has explored: columns tree (1: from the start, 2: from the end), parent (row "
+      "from which a step led there, from 0; -1: an end), then those of a path. Ctrl-C ends the search with them. "
+      "Keys of the record beside those of every record: drivers, outcome (found, separated, end, not found, stopped), end (start or "
       "end: the one that isn't allowed), margin, ends (smallest singular value of the input at both), configurations, straight, "
-      "smooth (false: the drivers turn corners), length, least_margin (null: the drivers move no loop), and the table's columns and rows. Exit status 1: "
+      "smooth (false: the drivers turn corners), length, least_margin (null: the drivers move no loop), the table's columns and rows, and explored (columns and rows). Exit status 1: "
       "no path was found.",
       argc, argv);
   if (!kspace_read_formats(&o.common, o.format, "csv,json,svg,pdf,png", o.model, &o.files))

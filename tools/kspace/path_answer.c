@@ -43,6 +43,10 @@ void kspace_print_path(const kspace_path_answer *a, km_text *out) {
           "the smallest singular value there is %.4g\n",
           path->is_at_start ? "start" : "end", a->margin, path->ends[!path->is_at_start]);
     break;
+  case KM_SPACE_PATH_STOPPED:
+    km_text_format(out, "stopped: no path was found so far, among %d configurations; there may be one\n",
+                   path->configurations);
+    break;
   default:
     km_text_format(out, "no path was found among %d configurations; there may be one\n", path->configurations);
   }
@@ -69,5 +73,7 @@ const km_value *kspace_path_record(const kspace_path_answer *a, km_arena *arena)
     km_value_number(arena, record, "least_margin", path->least_margin);
   }
   km_table_record(path->table, record, arena);
+  if (km_table_rows(path->explored) > 0)
+    km_table_record(path->explored, km_value_add(arena, record, "explored", KM_OBJECT), arena);
   return arena->failed ? NULL : record;
 }

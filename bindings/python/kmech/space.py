@@ -279,7 +279,8 @@ class SpacePath(NamedTuple):
     """A path of the drivers. outcome: "found", "separated" (the determinant of the input has opposite signs at both ends: every path
     passes a singularity), "end" (an end isn't allowed) or "not found". table: s, q. of the drivers and of the others,
     sigma.input; a row for each step. motion: t from 0 to 1, q. of the drivers, at equal steps of time, at rest at both ends. smooth:
-    the drivers turn no corner. least_margin: infinite where the drivers move no loop."""
+    the drivers turn no corner. least_margin: infinite where the drivers move no loop. explored: tree (1: from the start, 2: from the end),
+    parent (a row; -1: an end), the configuration; a row for each configuration of a search that found no path."""
 
     outcome: str
     table: Table
@@ -289,6 +290,7 @@ class SpacePath(NamedTuple):
     configurations: int
     motion: Table
     smooth: bool
+    explored: Table
 
 
 def space_path(mechanism: Mechanism, state: State, to: Union[State, Mapping[str, float]], drivers: Optional[Sequence[str]], margin: float,
@@ -318,4 +320,4 @@ def space_path(mechanism: Mechanism, state: State, to: Union[State, Mapping[str,
     watch.finish()
     check(status, error)
     return SpacePath(text_of(lib.km_space_path_outcome_name(found.outcome)), table_of(found.table, found), found.length,
-               found.least_margin, found.is_straight, found.configurations, table_of(found.motion, found), found.is_smooth)
+               found.least_margin, found.is_straight, found.configurations, table_of(found.motion, found), found.is_smooth, table_of(found.explored, found))

@@ -311,6 +311,8 @@ typedef struct km_turning {
   km_turning_interval *intervals; /* [interval_count] from `from` to `to` */
   int modes;                      /* assembly modes from which circuits were followed */
   bool is_complete;               /* these are all modes of the model at its own number */
+  km_mode_gap gap; /* reason why they may not be all; KM_GAP_STOPPED: `progress` ended the search, curves and critical
+                    * values are those found until then, and there are no intervals */
 } km_turning;
 
 /* Follows the dead points of a driver, det A = 0, over the configurations and one number of the design: curves of
@@ -319,7 +321,8 @@ typedef struct km_turning {
  * located to 1e-9 of the range. Circuits that are at no step are not found, nor are their curves. Limits are ignored.
  * KM_USAGE: the driver can't move or is a ball joint, the part of the mechanism has not one freedom beside spins of
  * rods between two ball joints, the path is no number, or the range is invalid; KM_IO, KM_MODEL: the file; KM_MEMORY;
- * KM_CANCELLED. Free `*out` in any case. O((circuits · steps · length + curve points) · (rank³ + reading the file)). */
+ * KM_CANCELLED: `*out` has the curves and critical values found so far. Free `*out` in any case. O((circuits · steps ·
+ * length + curve points) · (rank³ + reading the file)). */
 KM_API km_status km_turning_find(const km_mechanism *mechanism, const km_state *state, const km_turning_def *def,
                                  km_progress progress, void *context, km_turning *out, km_error *error);
 KM_API void km_turning_free(km_turning *turning);
@@ -331,9 +334,10 @@ typedef enum km_space_path_outcome {
   KM_SPACE_PATH_FOUND,     /* a path was found */
   KM_SPACE_PATH_SEPARATED, /* det A has opposite signs at both ends, in all modes found there: every path is singular */
   KM_SPACE_PATH_END,       /* an end can't be assembled, lacks the margin, is beyond a limit, or not free */
-  KM_SPACE_PATH_NOT_FOUND  /* none was found among the configurations of the search: there may be one */
+  KM_SPACE_PATH_NOT_FOUND, /* none was found among the configurations of the search: there may be one */
+  KM_SPACE_PATH_STOPPED    /* `progress` ended the search before one was found */
 } km_space_path_outcome;
-/* Returns "found", "separated", "end", "not found"; "" for another value. */
+/* Returns "found", "separated", "end", "not found", "stopped"; "" for another value. */
 KM_API const char *km_space_path_outcome_name(km_space_path_outcome outcome);
 
 /* Condition of a caller at every configuration of a path, such as a clearance: false if it isn't met. `state` is
@@ -376,6 +380,9 @@ typedef struct km_space_path {
   bool is_smooth;      /* second derivatives of the drivers are continuous; false: no smooth path is allowed beside the
                            * one found, and this one has corners */
   int configurations;  /* configurations of the search */
+  km_table *explored;  /* tree (1: from the start, 2: from the end), parent (row from which a step led there, from 0;
+                        * −1: an end), q. of the drivers, q. of the other coordinates, sigma.input: a row for each
+                        * configuration of a search that found no path; else no rows */
 } km_space_path;
 
 /* Searches for a path from the state's configuration to another one along which det A keeps its sign and the smallest
@@ -384,7 +391,8 @@ typedef struct km_space_path {
  * S. LaValle 2000), then shortening. Corners are then rounded by splines of the drivers, whose configurations are
  * allowed as well. Steps are at most 0.04 in radians and lengths over the size; each ends in a closed configuration, to
  * 1e-12. Drivers that move no loop are never singular. KM_USAGE: a driver is a ball joint, not as many drivers as
- * freedoms of the parts beside spins of rods between two ball joints; KM_MEMORY; KM_CANCELLED. Free `*out` in any
+ * freedoms of the parts beside spins of rods between two ball joints; KM_MEMORY; KM_CANCELLED: the outcome is
+ * KM_SPACE_PATH_STOPPED, and `*out` has the configurations explored so far. Free `*out` in any
  * case. O(configurations² + configurations · rank³). */
 KM_API km_status km_space_path_find(const km_mechanism *mechanism, const km_state *state, const km_space_path_def *def,
                                     km_progress progress, void *context, km_space_path *out, km_error *error);

@@ -17,17 +17,43 @@ static int driver_index(const km_path_steps *g, int coordinate) {
   return d;
 }
 
+/* Adds q. of the drivers, q. of the others and sigma.input. */
+static bool add_configuration_columns(const km_path_steps *g, km_table *table) {
+  bool is_ok = true;
+  for (int d = 0; is_ok && d < g->f.control_count; ++d)
+    is_ok = km_model_add_coordinate_column(g->f.m->model, g->def->drivers[d], table);
+  for (int c = 0; is_ok && c < g->f.m->coordinate_count; ++c)
+    is_ok = driver_index(g, c) >= 0 || km_model_add_coordinate_column(g->f.m->model, c, table);
+  return is_ok && km_table_add_joined_column(table, "sigma.input", "", "", "");
+}
+
 bool km_path_table_create(const km_path_steps *g, km_space_path *out) {
   out->table = km_table_create();
   out->motion = km_table_create();
-  bool is_ok = out->table && out->motion && km_table_add_joined_column(out->table, "s", "", "", "") &&
-               km_table_add_joined_column(out->motion, "t", "", "", "");
+  out->explored = km_table_create();
+  bool is_ok = out->table && out->motion && out->explored && km_table_add_joined_column(out->table, "s", "", "", "") &&
+               km_table_add_joined_column(out->motion, "t", "", "", "") &&
+               km_table_add_joined_column(out->explored, "tree", "", "", "") &&
+               km_table_add_joined_column(out->explored, "parent", "", "", "");
   for (int d = 0; is_ok && d < g->f.control_count; ++d)
-    is_ok = km_model_add_coordinate_column(g->f.m->model, g->def->drivers[d], out->table) &&
-            km_model_add_coordinate_column(g->f.m->model, g->def->drivers[d], out->motion);
-  for (int c = 0; is_ok && c < g->f.m->coordinate_count; ++c)
-    is_ok = driver_index(g, c) >= 0 || km_model_add_coordinate_column(g->f.m->model, c, out->table);
-  return is_ok && km_table_add_joined_column(out->table, "sigma.input", "", "", "");
+    is_ok = km_model_add_coordinate_column(g->f.m->model, g->def->drivers[d], out->motion);
+  return is_ok && add_configuration_columns(g, out->table) && add_configuration_columns(g, out->explored);
+}
+
+/* Fills the columns of add_configuration_columns: values[coordinate], then the smallest singular value of the input,
+ * which is returned. */
+static double fill_configuration(km_path_steps *g, const double *values, double *row) {
+  double *other = row + g->f.control_count;
+  for (int c = 0; c < g->f.m->coordinate_count; ++c) {
+    int driver = driver_index(g, c);
+    *(driver >= 0 ? &row[driver] : other++) = values[c];
+  }
+  return *other = km_path_steps_input_value(g);
+}
+
+static void copy_values(const km_path_steps *g, double *values) {
+  for (int c = 0; c < g->f.m->coordinate_count; ++c)
+    values[c] = km_state_value(g->f.s, c);
 }
 
 /* Writes the row of a point, to which the state is moved. values[coordinate] is workspace. */
@@ -38,21 +64,31 @@ static bool write_row(km_path_steps *g, const km_path_points *points, int point,
   if (!row)
     return false;
   km_path_steps_move_to(g, points->saved[point]);
-  for (int c = 0; c < m->coordinate_count; ++c)
-    values[c] = km_state_value(f->s, c);
+  copy_values(g, values);
   for (int k = 0; k < f->columns; ++k) {
     int c = km_driver_surface_coordinate(f, k);
     values[c] = points->q[(size_t)point * (size_t)f->columns + (size_t)k] * m->unit[c] / m->factor[c];
   }
-  double *other = row + 1 + f->control_count, sigma = km_path_steps_input_value(g);
-  *row++ = points->x[point];
-  for (int c = 0; c < m->coordinate_count; ++c) {
-    int driver = driver_index(g, c);
-    *(driver >= 0 ? &row[driver] : other++) = values[c];
-  }
-  *other = sigma;
+  row[0] = points->x[point];
+  double sigma = fill_configuration(g, values, row + 1);
   out->ends[point > 0] = sigma;
   out->least_margin = fmin(out->least_margin, sigma);
+  return true;
+}
+
+bool km_path_table_write_explored(km_path_steps *g, const km_path_tree *tree, km_arena *arena, km_table *explored) {
+  double *values = KM_ARENA_NEW(arena, double, (size_t)g->f.m->coordinate_count);
+  for (int side = 0; side < 2; ++side)
+    for (int i = 0; i < tree[side].count; ++i) {
+      double *row = values ? km_table_add_row(explored) : NULL;
+      if (!row)
+        return false;
+      row[0] = side + 1;
+      row[1] = tree[side].parent[i] < 0 ? -1 : tree[side].parent[i] + side * tree[0].count;
+      km_path_steps_move_to(g, tree[side].saved[i]);
+      copy_values(g, values);
+      fill_configuration(g, values, row + 2);
+    }
   return true;
 }
 

@@ -17,8 +17,8 @@ typedef struct path_search {
 } path_search;
 
 const char *km_space_path_outcome_name(km_space_path_outcome outcome) {
-  static const char *const names[] = {"found", "separated", "end", "not found"};
-  return outcome >= KM_SPACE_PATH_FOUND && outcome <= KM_SPACE_PATH_NOT_FOUND ? names[outcome] : "";
+  static const char *const names[] = {"found", "separated", "end", "not found", "stopped"};
+  return outcome >= KM_SPACE_PATH_FOUND && outcome <= KM_SPACE_PATH_STOPPED ? names[outcome] : "";
 }
 
 static km_status no_memory(km_error *error) {
@@ -179,8 +179,12 @@ static km_status search(path_search *g, km_progress progress, void *context, km_
   if (!is_met && !km_path_trees_grow(&g->trees, progress, context, &is_cancelled, node))
     return no_memory(error);
   out->configurations = tree[0].count + tree[1].count;
-  if (is_cancelled)
+  if (node[0] < 0 && !km_path_table_write_explored(&g->steps, tree, &g->arena, out->explored))
+    return no_memory(error);
+  if (is_cancelled) {
+    out->outcome = KM_SPACE_PATH_STOPPED;
     return km_fail(error, KM_CANCELLED, "stopped while a path was searched");
+  }
   if (node[0] < 0)
     return KM_OK;
   if (!finish(g, node, out))
@@ -253,5 +257,6 @@ void km_space_path_free(km_space_path *path) {
     return;
   km_table_free(path->table);
   km_table_free(path->motion);
+  km_table_free(path->explored);
   *path = (km_space_path){0};
 }
