@@ -35,16 +35,19 @@ kt_exit kspace_read_clearance(const kt_common *common, const char *text, const c
   return status ? kt_exit_of(status) : KT_DONE;
 }
 
-void kspace_print_limits(const km_model *model, km_text *out) {
-  int count = 0;
+void kspace_print_limits(const km_model *model, const int *drivers, int count, km_text *out) {
+  int limited = 0;
   for (int c = 0; c < km_model_coordinate_count(model); ++c) {
     double low = -HUGE_VAL, high = HUGE_VAL;
     km_model_coordinate_limits(model, c, &low, &high);
-    count += isfinite(low) || isfinite(high);
+    bool is_counted = isfinite(low) || isfinite(high);
+    for (int d = 0; d < count; ++d)
+      is_counted = is_counted && c != drivers[d];
+    limited += is_counted;
   }
-  if (count > 0)
-    km_text_format(out, "joint limits don't count: %d joint%s; --limits keeps them\n", count,
-                   count == 1 ? " has some" : "s have some");
+  if (limited > 0)
+    km_text_format(out, "joint limits don't count: %d%s joint%s; --limits keeps them\n", limited,
+                   count > 0 ? " other" : "", limited == 1 ? " has some" : "s have some");
 }
 
 bool kspace_read_formats(const kt_common *common, const char *format, const char *among, const char *model,

@@ -40,8 +40,8 @@ kt_exit kspace_deliver(const kt_common *common, const kspace_files *files, const
 kt_exit kspace_read_clearance(const kt_common *common, const char *text, const char *model, const kt_pose *pose,
                               km_clearance **out, double *least);
 
-/* Prints how many joints have limits, which the answer leaves out; nothing if none has. */
-void kspace_print_limits(const km_model *model, km_text *out);
+/* Prints how many joints beside the drivers have limits, which don't count; nothing if none has. */
+void kspace_print_limits(const km_model *model, const int *drivers, int count, km_text *out);
 
 /* Writes BASE.RESULT.csv. */
 kt_exit kspace_write_csv(const kt_common *common, const char *base, const km_table *table, const char *result);

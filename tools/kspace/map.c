@@ -271,7 +271,7 @@ kt_exit kspace_map(int argc, char **argv) {
       {"over-point", 0, NULL, "Draw the picture over the place of --point: the workspace", KT_FLAG, &o.over_point,
        KT_ABOUT_FILES},
       {"format", 0, "FORMATS",
-       "Some of csv,json,svg,pdf,png,html (default csv,svg); html: surfaces that turn; json without -o: a record in place of the text",
+       "Files to write: some of csv,json,svg,pdf,png,html (with -o, unless stated: csv,svg); html: surfaces that turn; json without -o: a record in place of the text",
        KT_TEXT_OF("csv or json or svg or pdf or png or html"), &o.format, KT_ABOUT_FILES},
       {"own", 0, NULL, "Follow the sheet of the pose only", KT_FLAG, &o.own, KT_ABOUT_MODEL},
       {"limits", 0, NULL, "Leave out cells beyond the joint limits", KT_FLAG, &o.limits, KT_ABOUT_MODEL},
@@ -304,7 +304,7 @@ kt_exit kspace_map(int argc, char **argv) {
       "modes may lack some, and so the sheets; the outline of the workspace isn't closed, or leaves grid points outside; or "
       "Ctrl-C ended the work: the finished sheets and the curves found so far are written. Other numbers of freedoms than two are refused. JSON keys "
       "beside those of every record: drivers (joint, from, to, steps), complete, reason (as that of modes), modes, sheets, aspects, curves, workspace "
-      "(point, of a sphere: sphere with centre, radius, pole; area, holes, gap, outside, checked, aspects: aspect, area, circle, radius, rectangle, width, height), columns and "
+      "(point, of a sphere: sphere with centre, radius, pole; area, holes: on a sphere one less than the parts out of reach, gap, outside, checked, aspects: aspect, area, circle, radius, rectangle, width, height), columns and "
       "rows of the grid.",
       argc, argv);
   kt_pose pose;

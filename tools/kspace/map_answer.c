@@ -1,12 +1,16 @@
 /* Record and text of kspace map. */
 #include "kspace/map_answer.h"
 
+#include "kspace/kspace.h"
+
 #include "kmech/inspect.h"
 #include "kmech/model.h"
 #include "kmech/report.h"
 
 #include <math.h>
 #include <string.h>
+
+static const double same_value = 1e-8; /* change of a driver that rests, over its range */
 
 /* Least and largest finite value of a column over the rows of a sheet. */
 static void range_of(const km_table *table, double sheet, size_t column, double *low, double *high, size_t *rows) {
@@ -44,13 +48,45 @@ static void print_sheet(const km_space_map *map, int sheet, size_t points, km_te
   km_text_add(out, "\n");
 }
 
-static int count_curves(const km_table *curves, km_curve_kind kind) {
+/* True if both drivers have one value along the curve that begins at a row: its points are exact to rounding. */
+static bool is_one_pair(const km_space_map_def *def, const km_table *curves, size_t first) {
+  const double *start = km_table_row(curves, first);
+  bool is_one = true;
+  for (size_t r = first; is_one && r < km_table_rows(curves) && km_table_row(curves, r)[0] == start[0]; ++r)
+    for (int d = 0; d < 2; ++d) {
+      const km_space_axis *axis = &def->axis[d];
+      double change = km_table_row(curves, r)[2 + axis->coordinate] - start[2 + axis->coordinate];
+      is_one = is_one && fabs(change) <= same_value * fabs(axis->to - axis->from);
+    }
+  return is_one;
+}
+
+/* Number of curves of a kind; *pairs: of those that are one pair of the drivers' values each. */
+static int count_curves(const km_space_map_def *def, const km_table *curves, km_curve_kind kind, int *pairs) {
   int count = 0;
+  *pairs = 0;
   for (size_t r = 0; r < km_table_rows(curves); ++r) {
     const double *row = km_table_row(curves, r);
-    count += (int)row[1] == (int)kind && (r == 0 || km_table_row(curves, r - 1)[0] != row[0]);
+    bool is_first = r == 0 || km_table_row(curves, r - 1)[0] != row[0];
+    if (!is_first || (int)row[1] != (int)kind)
+      continue;
+    ++count;
+    *pairs += is_one_pair(def, curves, r);
   }
   return count;
+}
+
+/* Area, and holes; of a sphere the parts that aren't reached, one more than the holes of a chart. */
+static void print_area(const km_space_map_def *def, const km_space_map *map, const char *length, km_text *out) {
+  double radius = map->surface.radius, whole = 4.0 * M_PI * radius * radius;
+  km_text_format(out, "workspace of %s: area %.6g %s²", def->point_name, map->workspace_area, length);
+  if (radius == 0.0)
+    km_text_format(out, ", %d hole%s\n", map->hole_count, map->hole_count == 1 ? "" : "s");
+  else if (map->workspace_area < (1.0 - same_value) * whole)
+    km_text_format(out, "; %d part%s of the sphere out of reach\n", map->hole_count + 1,
+                   map->hole_count == 0 ? "" : "s");
+  else
+    km_text_add(out, ", the whole sphere\n");
 }
 
 /* Largest circle and rectangle of the aspect in which each is largest, and the area of the whole. */
@@ -65,8 +101,7 @@ static void print_workspace(const km_model *model, const km_space_map_def *def, 
       rectangle = at;
   }
   if (isfinite(map->workspace_area))
-    km_text_format(out, "workspace of %s: area %.6g %s², %d hole%s\n", def->point_name, map->workspace_area, length,
-                   map->hole_count, map->hole_count == 1 ? "" : "s");
+    print_area(def, map, length, out);
   else
     km_text_format(out, "workspace of %s: its outline isn't closed: a curve is missing, which more --steps may find\n",
                    def->point_name);
@@ -90,20 +125,38 @@ static void print_workspace(const km_model *model, const km_space_map_def *def, 
         map->unbounded, map->checked);
 }
 
+/* Ends the first line with the number of sheets that no mode leads to: their drivers don't reach those of the pose. */
+static void print_further_sheets(const km_space_map *map, int modes, km_text *out) {
+  int further = 0;
+  for (size_t r = 0; r < km_table_rows(map->cells); ++r) {
+    double sheet = km_table_row(map->cells, r)[2];
+    further += sheet > modes && (r == 0 || km_table_row(map->cells, r - 1)[2] != sheet);
+  }
+  if (further > 0)
+    km_text_format(out, "; %d of them from singularity curves or random configurations", further);
+  km_text_add(out, "\n");
+}
+
 void kspace_print_map(const km_model *model, const char *file, const km_space_map_def *def, const km_all_modes *modes,
                       const km_space_map *map, km_text *out) {
   size_t points = (size_t)(def->axis[0].steps + 1) * (size_t)(def->axis[1].steps + 1);
-  int inputs = count_curves(map->curves, KM_CURVE_INPUT);
-  km_text_format(out, "%s: %d sheet%s over %s and %s, from %d assembly mode%s%s\n", file, map->sheet_count,
-                 map->sheet_count == 1 ? "" : "s", km_model_coordinate_label(model, def->axis[0].coordinate),
-                 km_model_coordinate_label(model, def->axis[1].coordinate), modes->count, modes->count == 1 ? "" : "s",
+  const int drivers[2] = {def->axis[0].coordinate, def->axis[1].coordinate};
+  km_text_format(out, "%s: %d sheet%s over %s and %s, from %d assembly mode%s%s", file, map->sheet_count,
+                 map->sheet_count == 1 ? "" : "s", km_model_coordinate_label(model, drivers[0]),
+                 km_model_coordinate_label(model, drivers[1]), modes->count, modes->count == 1 ? "" : "s",
                  modes->is_complete ? "" : " (at least these)");
+  print_further_sheets(map, modes->count, out);
   for (int i = 1; i <= modes->count + map->sheet_count; ++i)
     print_sheet(map, i, points, out);
+  int pairs, inputs = count_curves(def, map->curves, KM_CURVE_INPUT, &pairs);
+  inputs -= pairs;
   km_text_format(out, "%d singularity curve%s of the drivers bound%s them", inputs, inputs == 1 ? "" : "s",
                  inputs == 1 ? "s" : "");
+  if (pairs > 0)
+    km_text_format(out, "; %d other%s of the map, where the mechanism moves while the drivers rest", pairs,
+                   pairs == 1 ? " is a single point" : "s are single points");
   if (def->has_point) {
-    int outputs = count_curves(map->curves, KM_CURVE_OUTPUT);
+    int outputs = count_curves(def, map->curves, KM_CURVE_OUTPUT, &pairs);
     km_text_format(out, "; %d of the output: %s can't move in some direction there", outputs, def->point_name);
     km_text_format(out, "; %d aspect%s free of both", map->aspect_count, map->aspect_count == 1 ? "" : "s");
   }
@@ -112,6 +165,8 @@ void kspace_print_map(const km_model *model, const char *file, const km_space_ma
     km_text_add(out, "stopped: further sheets and curves are missing\n");
   else if (def->has_point)
     print_workspace(model, def, map, out);
+  if (!def->within_limits)
+    kspace_print_limits(model, drivers, 2, out);
 }
 
 static void add_place(km_value *to, const char *name, const double *place, km_arena *arena) {

@@ -271,7 +271,7 @@ kt_exit kspace_path(int argc, char **argv) {
       {"time", 0, "T", "Duration of the motion in BASE.path.json, in the model's time unit (default: 1)", KT_TEXT,
        &o.time, KT_ABOUT_FILES},
       {"format", 0, "FORMATS",
-       "Some of csv,json,svg,pdf,png (default csv,svg); json is the model, its drivers prescribed; without -o a record in "
+       "Files to write: some of csv,json,svg,pdf,png (with -o, unless stated: csv,svg); json is the model, its drivers prescribed; without -o a record in "
        "place of the text",
        KT_TEXT_OF("csv or json or svg or pdf or png"), &o.format, KT_ABOUT_FILES},
       KT_BASE(

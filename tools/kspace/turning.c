@@ -187,7 +187,7 @@ kt_exit kspace_turning(int argc, char **argv) {
       KT_HOLD(&o.holds, KT_HOLD_RIGID),
       KT_POSE(o.common),
       {"format", 0, "FORMATS",
-       "Some of csv,json,svg,pdf,png (default csv,svg); json without -o: a record in place of the text",
+       "Files to write: some of csv,json,svg,pdf,png (with -o, unless stated: csv,svg); json without -o: a record in place of the text",
        KT_TEXT_OF("csv or json or svg or pdf or png"), &o.format, KT_ABOUT_FILES},
       KT_BASE(
           &o.files.base,

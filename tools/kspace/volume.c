@@ -54,7 +54,7 @@ static void print_volume(const void *context, km_text *out) {
     print_side(v, k, unit, out);
   km_text_add(out, "\n");
   if (!a->def.within_limits)
-    kspace_print_limits(a->pose->model, out);
+    kspace_print_limits(a->pose->model, NULL, 0, out);
 }
 
 static const km_value *record_volume(const void *context, km_arena *arena) {

@@ -266,7 +266,8 @@ static km_status move_to_mode(km_map_search *g, const km_all_modes *modes, int i
   return km_state_set_coordinates(m, g->f.s, modes->coordinates + (size_t)i * (size_t)m->coordinate_count, error);
 }
 
-/* Prepares the surface at the first mode, if there is one. */
+/* Prepares the surface at the first mode; without modes at the state's configuration: the tables' columns depend on the
+ * surface of the point. */
 static km_status prepare_surface(km_map_search *g, const km_all_modes *modes, km_error *error) {
   km_driver_surface *f = &g->f;
   const km_space_map_def *def = g->def;
@@ -282,9 +283,8 @@ static km_status prepare_surface(km_map_search *g, const km_all_modes *modes, km
   km_status status = km_driver_surface_create(f, drivers, 2, &g->arena, error);
   if (!status && !km_kept_clearance_create(&f->kept, f->m, &g->arena))
     status = no_memory(error);
-  if (status || modes->count == 0)
-    return status;
-  status = move_to_mode(g, modes, 0, error);
+  if (!status && modes->count > 0)
+    status = move_to_mode(g, modes, 0, error);
   return status ? status : km_driver_surface_begin(f, &g->arena, error);
 }
 

@@ -8,7 +8,6 @@
 enum { TERMS = 4 /* columns |p|², x, y, z */ };
 static const double fitted = 1e-9;    /* smallest singular value of places on a surface: their own error is 1e-12 */
 static const double curved = 1e-9;    /* |a| / |b|, places over their extent; a smaller one is a plane's */
-static const double spread = 1e-6;    /* second smallest singular value of places that are not on a circle */
 static const double rounding = 1e-12; /* error of the centre, by the radius */
 
 static km_vec3 axis(const km_point_surface *s, int i) {
@@ -69,10 +68,6 @@ km_status km_point_surface_fit(const km_vec3 *places, int count, km_point_surfac
   for (int i = 0; i < count; ++i)
     mean = km_vec3_axpy(1.0 / count, places[i], mean);
   double extent = extent_of(places, count, mean);
-  if (!(extent > 0.0)) {
-    km_arena_free(&arena);
-    return km_fail(error, KM_USAGE, "the point doesn't move; expected one that both drivers move");
-  }
   for (int i = 0; !arena.failed && i < count; ++i) {
     km_vec3 y = km_vec3_scale(1.0 / extent, km_vec3_sub(places[i], mean));
     A[i] = km_vec3_dot(y, y);
@@ -91,8 +86,6 @@ km_status km_point_surface_fit(const km_vec3 *places, int count, km_point_surfac
   if (!(s[3] <= fitted * s[0]))
     return km_fail(error, KM_USAGE,
                    "the point moves on neither a plane nor a sphere; expected one of them for a workspace");
-  if (!(s[2] > spread * s[0]))
-    return km_fail(error, KM_USAGE, "the point only moves along a circle; expected one that both drivers move");
   double a = Vt[3];
   km_vec3 b = {Vt[TERMS + 3], Vt[2 * TERMS + 3], Vt[3 * TERMS + 3]};
   if (fabs(a) <= curved * km_vec3_norm(b)) {

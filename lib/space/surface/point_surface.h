@@ -16,7 +16,7 @@
 
 /* Sets a plane of this unit normal; its axes are a coordinate axis projected, and the one orthogonal to it. */
 void km_point_surface_set_plane(km_point_surface *surface, km_vec3 normal, km_vec3 place);
-/* Fits a plane or a sphere to places[count], count > 4. KM_USAGE: they are on neither, or on a circle. */
+/* Fits a plane or a sphere to places[count], count > 4, that are not on a curve. KM_USAGE: they are on neither. */
 km_status km_point_surface_fit(const km_vec3 *places, int count, km_point_surface *out, km_error *error);
 /* Turns the axes of a sphere so that the last one has this direction. */
 void km_point_surface_turn(km_point_surface *surface, km_vec3 pole);
