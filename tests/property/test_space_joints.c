@@ -209,7 +209,14 @@ static fixture pan_and_tilt(double tilt, double point) {
   return f;
 }
 
-/* The places of a head are a zone of the sphere, which may be all of it, and around the end of its chart. */
+/* Angle between a cone's axis and z. */
+static double cone_height(const km_aspect_workspace *at) {
+  assert_near(hypot(hypot(at->cone[0], at->cone[1]), at->cone[2]), 1.0, 1e-12);
+  return acos(at->cone[2]);
+}
+
+/* The places of a head are a zone of the sphere, which may be all of it, and around the end of its chart. The largest
+ * cone without a singularity touches both of its circles. */
 static void a_head_reaches_a_zone(void **state) {
   (void)state;
   const double angle[][2] = {{0.5 * M_PI, 0.5 * M_PI}, {0.9, 0.5}, {1.2, 1.2}, {1.0, 1.6}, {0.5, 2.9}};
@@ -217,14 +224,74 @@ static void a_head_reaches_a_zone(void **state) {
     double tilt = angle[i][0], point = angle[i][1];
     fixture f = pan_and_tilt(tilt, point);
     km_space_map map = map_of_point(&f, "head", M_PI, 60);
-    double area = 2.0 * M_PI * (cos(tilt - point) - cos(fmin(tilt + point, 2.0 * M_PI - tilt - point)));
+    double low = fabs(tilt - point), high = fmin(tilt + point, 2.0 * M_PI - tilt - point);
+    double area = 2.0 * M_PI * (cos(low) - cos(high));
     assert_near(map.workspace_area, area, 1e-6);
     assert_int_equal(map.workspace_count, 2);
-    for (int k = 0; k < 2; ++k)
-      assert_near(map.workspaces[k].area, area, 1e-6);
+    for (int k = 0; k < 2; ++k) {
+      const km_aspect_workspace *at = &map.workspaces[k];
+      assert_near(at->area, area, 1e-6);
+      assert_near(at->half_angle, 0.5 * (high - low), 2e-5);
+      assert_near(cone_height(at), 0.5 * (high + low), 2e-5);
+      assert_true(at->radius == 0.0);
+    }
     km_space_map_free(&map);
     fixture_close(&f);
   }
+}
+
+/* A head that pans from −p to p and turns away from z by θ_0 to θ_1: the largest cone has the half-angle max over θ of
+ * min(θ − θ_0, θ_1 − θ, asin(sin θ sin p)), the last one the angle from the meridians ±p. */
+static void cones_within_ranges(void **state) {
+  (void)state;
+  const double range[][3] = {{0.4, 0.3, 1.1}, {1.0, 0.5, 1.1}, {0.3, 0.2, 2.7}, {0.2, 1.2, 2.9}};
+  for (size_t i = 0; i < sizeof range / sizeof *range; ++i) {
+    double p = range[i][0], low = range[i][1], high = range[i][2], largest = 0.0, height = 0.0;
+    for (int k = 1; k < 1000000; ++k) {
+      double theta = low + (high - low) * 1e-6 * k;
+      double r = fmin(fmin(theta - low, high - theta), asin(sin(theta) * sin(p)));
+      height = r > largest ? theta : height;
+      largest = fmax(largest, r);
+    }
+    fixture f = pan_and_tilt(0.5 * M_PI, 0.5 * M_PI);
+    const char *const path[] = {"head", "P"};
+    km_space_map_def def = {
+        .axis = {{fixture_coordinate(&f, "A"), -p, p, 20}, {fixture_coordinate(&f, "E"), low, high, 20}},
+        .has_point = true,
+        .point_name = "P"};
+    assert_int_equal(km_model_find_frame(f.model, path, 2, &def.frame, NULL), KM_OK);
+    km_space_map map = compute_map(&f, &def);
+    assert_int_equal(map.workspace_count, 1);
+    assert_near(map.workspaces[0].area, 2.0 * p * (cos(low) - cos(high)), 1e-6);
+    assert_near(map.workspaces[0].half_angle, largest, 2e-5);
+    bool touches_both = largest < p - 1e-3; /* else the height of the cone is not sharp: r is flat at the equator */
+    if (touches_both)
+      assert_near(cone_height(&map.workspaces[0]), height, 1e-3);
+    km_space_map_free(&map);
+    fixture_close(&f);
+  }
+}
+
+/* A wrist whose places are 10° to 130° away from both axes: the largest cone touches all four circles. */
+static void the_largest_cone_of_a_wrist(void **state) {
+  (void)state;
+  fixture f = fixture_open("wrist");
+  const char *const path[] = {"rod1", "P"};
+  km_space_map_def def = map_definition(&f, M_PI, 60);
+  def.has_point = true;
+  def.point_name = "rod1/P";
+  assert_int_equal(km_model_find_frame(f.model, path, 2, &def.frame, NULL), KM_OK);
+  km_space_map map = compute_map(&f, &def);
+  const km_aspect_workspace *largest = &map.workspaces[0];
+  for (int i = 0; i < map.workspace_count; ++i)
+    largest = map.workspaces[i].half_angle > largest->half_angle ? &map.workspaces[i] : largest;
+  double along = cos(70.0 * M_PI / 180.0);
+  assert_near(largest->half_angle, M_PI / 3.0, 2e-5);
+  assert_near(largest->cone[0], along, 2e-5);
+  assert_near(largest->cone[1], along, 2e-5);
+  assert_near(fabs(largest->cone[2]), sqrt(1.0 - 2.0 * along * along), 2e-5);
+  km_space_map_free(&map);
+  fixture_close(&f);
 }
 
 /* ---- A planar five-bar, as itself and otherwise. */
@@ -525,6 +592,8 @@ int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(passive_axes_are_coplanar_on_the_curves),
                                      cmocka_unit_test(the_wrist_reaches_what_both_chains_allow),
                                      cmocka_unit_test(a_head_reaches_a_zone),
+                                     cmocka_unit_test(cones_within_ranges),
+                                     cmocka_unit_test(the_largest_cone_of_a_wrist),
                                      cmocka_unit_test(balls_and_parallel_cranks_change_no_sheet),
                                      cmocka_unit_test(balls_and_parallel_cranks_change_no_aspect),
                                      cmocka_unit_test(largest_angles_bound_the_sheets),

@@ -297,14 +297,14 @@ kt_exit kspace_map(int argc, char **argv) {
       "value and the manipulability of the point's Jacobian by the drivers, the curves on which it is singular, and the "
       "ends of ranges, limits and the least clearance; its workspace has area, holes and an outline by kind, and for each aspect (a part "
       "without a singularity of drivers or point) area, largest circle and largest rectangle. A sphere has columns chart, "
-      "its map with true areas, and no largest circle. --ask advantage takes input "
+      "its map with true areas, and the largest cone from its centre instead. --ask advantage takes input "
       "and output of the model's analysis.mechanical_advantage; --ask forces the model's loads, and its "
       "analysis.actuators, else the drivers; --ask clearance the pairs of kspace clearance. The curves are followed by "
       "continuation of the closure with a null vector; each point is on the curve to rounding. Exit status 1: the list of "
       "modes may lack some, and so the sheets; the outline of the workspace isn't closed, or leaves grid points outside; or "
       "Ctrl-C ended the work: the finished sheets and the curves found so far are written. Other numbers of freedoms than two are refused. JSON keys "
       "beside those of every record: drivers (joint, from, to, steps), complete, reason (as that of modes), modes, sheets, aspects, curves, workspace "
-      "(point, of a sphere: sphere with centre, radius, pole; area, holes: on a sphere one less than the parts out of reach, gap, outside, checked, aspects: aspect, area, circle, radius, rectangle, width, height), columns and "
+      "(point, of a sphere: sphere with centre, radius, pole; area, holes: on a sphere one less than the parts out of reach, gap, outside, checked, aspects: aspect, area, circle, radius, rectangle, width, height, of a sphere cone (its axis) and half_angle), columns and "
       "rows of the grid.",
       argc, argv);
   kt_pose pose;

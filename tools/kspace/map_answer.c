@@ -89,16 +89,23 @@ static void print_area(const km_space_map_def *def, const km_space_map *map, con
     km_text_add(out, ", the whole sphere\n");
 }
 
-/* Largest circle and rectangle of the aspect in which each is largest, and the area of the whole. */
+/* Half-angle of a cone in the model's unit of angle. */
+static double half_angle(const km_model *model, const km_aspect_workspace *at) {
+  return at->half_angle / km_model_units(model).angle->si;
+}
+
+/* Largest circle, rectangle and cone of the aspect in which each is largest, and the area of the whole. */
 static void print_workspace(const km_model *model, const km_space_map_def *def, const km_space_map *map, km_text *out) {
   const char *length = km_model_units(model).length->suffix;
-  const km_aspect_workspace *circle = NULL, *rectangle = NULL;
+  const km_aspect_workspace *circle = NULL, *rectangle = NULL, *cone = NULL;
   for (int i = 0; i < map->workspace_count; ++i) {
     const km_aspect_workspace *at = &map->workspaces[i];
     if (at->radius > 0.0 && (!circle || at->radius > circle->radius))
       circle = at;
     if (at->width > 0.0 && (!rectangle || at->width * at->height > rectangle->width * rectangle->height))
       rectangle = at;
+    if (at->half_angle > 0.0 && (!cone || at->half_angle > cone->half_angle))
+      cone = at;
   }
   if (isfinite(map->workspace_area))
     print_area(def, map, length, out);
@@ -112,6 +119,12 @@ static void print_workspace(const km_model *model, const km_space_map_def *def, 
     km_text_format(out,
                    "  largest circle without a singularity: radius %.6g %s around %.6g, %.6g, %.6g, in aspect %d\n",
                    circle->radius, length, circle->circle[0], circle->circle[1], circle->circle[2], circle->aspect);
+  if (cone)
+    km_text_format(out,
+                   "  largest cone without a singularity: half-angle %.6g %s around the direction %.6g, %.6g, %.6g, in "
+                   "aspect %d\n",
+                   half_angle(model, cone), km_model_units(model).angle->suffix, cone->cone[0], cone->cone[1],
+                   cone->cone[2], cone->aspect);
   if (rectangle)
     km_text_format(out, "  largest rectangle: %.6g by %.6g %s around %.6g, %.6g, %.6g, in aspect %d\n",
                    rectangle->width, rectangle->height, length, rectangle->rectangle[0], rectangle->rectangle[1],
@@ -175,7 +188,7 @@ static void add_place(km_value *to, const char *name, const double *place, km_ar
     km_value_number(arena, list, NULL, place[i]);
 }
 
-static void add_aspect(const km_aspect_workspace *at, km_value *list, km_arena *arena) {
+static void add_aspect(const km_model *model, const km_aspect_workspace *at, km_value *list, km_arena *arena) {
   km_value *aspect = km_value_add(arena, list, NULL, KM_OBJECT);
   km_value_number(arena, aspect, "aspect", at->aspect);
   km_value_number(arena, aspect, "area", at->area);
@@ -188,9 +201,14 @@ static void add_aspect(const km_aspect_workspace *at, km_value *list, km_arena *
     km_value_number(arena, aspect, "width", at->width);
     km_value_number(arena, aspect, "height", at->height);
   }
+  if (at->half_angle > 0.0) {
+    add_place(aspect, "cone", at->cone, arena);
+    km_value_number(arena, aspect, "half_angle", half_angle(model, at));
+  }
 }
 
-static void add_workspace(const km_space_map_def *def, const km_space_map *map, km_value *record, km_arena *arena) {
+static void add_workspace(const km_model *model, const km_space_map_def *def, const km_space_map *map, km_value *record,
+                          km_arena *arena) {
   km_value *workspace = km_value_add(arena, record, "workspace", KM_OBJECT);
   km_value_string(arena, workspace, "point", def->point_name);
   if (map->surface.radius > 0.0) {
@@ -206,7 +224,7 @@ static void add_workspace(const km_space_map_def *def, const km_space_map *map, 
   km_value_number(arena, workspace, "checked", map->checked);
   km_value *aspects = km_value_add(arena, workspace, "aspects", KM_LIST);
   for (int i = 0; i < map->workspace_count && !arena->failed; ++i)
-    add_aspect(&map->workspaces[i], aspects, arena);
+    add_aspect(model, &map->workspaces[i], aspects, arena);
 }
 
 const km_value *kspace_map_record(const kt_pose *pose, const char *file, const km_space_map_def *def,
@@ -228,7 +246,7 @@ const km_value *kspace_map_record(const kt_pose *pose, const char *file, const k
   km_value_number(arena, record, "aspects", map->aspect_count);
   km_value_number(arena, record, "curves", map->curve_count);
   if (def->has_point && modes->gap != KM_GAP_STOPPED)
-    add_workspace(def, map, record, arena);
+    add_workspace(pose->model, def, map, record, arena);
   km_table_record(map->cells, record, arena);
   return arena->failed ? NULL : record;
 }

@@ -75,7 +75,8 @@ def all_modes(mechanism: Mechanism, state: State, hold: Sequence[str], within_li
 
 class AspectWorkspace(NamedTuple):
     """The places of the point in an aspect. area: NaN if an outline doesn't close. circle and rectangle: centres of the largest ones
-    without a singularity; radius, width or height 0: none."""
+    without a singularity; radius, width or height 0: none. cone: on a sphere the axis of the largest cone from its centre, a unit vector;
+    half_angle: in radians, 0: none."""
 
     aspect: int
     area: float
@@ -84,6 +85,8 @@ class AspectWorkspace(NamedTuple):
     rectangle: Tuple[float, float, float]
     width: float
     height: float
+    cone: Tuple[float, float, float]
+    half_angle: float
 
 
 class Workspace(NamedTuple):
@@ -117,7 +120,8 @@ class SpaceMap(NamedTuple):
 
 
 def _workspace(found: Any) -> Workspace:
-    aspects = tuple(AspectWorkspace(at.aspect, at.area, tuple(at.circle), at.radius, tuple(at.rectangle), at.width, at.height)
+    aspects = tuple(AspectWorkspace(at.aspect, at.area, tuple(at.circle), at.radius, tuple(at.rectangle), at.width, at.height, tuple(at.cone),
+                                    at.half_angle)
                     for at in found.workspaces[0:found.workspace_count])
     surface = found.surface
     return Workspace(table_of(found.boundary, found), found.workspace_area, found.hole_count, found.gap, found.unbounded, found.checked,

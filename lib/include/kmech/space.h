@@ -199,9 +199,12 @@ typedef struct km_aspect_workspace {
   int aspect;           /* its number in the cells */
   double area;          /* area of these places; NaN: a curve that bounds them wasn't found */
   double circle[3];     /* centre of the largest circle in them, model's unit, world frame */
-  double radius;        /* its radius, to 1e-5 of the extent; 0: none, the outline has a gap, or a sphere */
+  double radius;        /* its radius, to 1e-5 of the extent; 0: none, the outline has a gap, or a sphere, see `cone` */
   double rectangle[3];  /* centre of the largest rectangle in them, sides along the plane's axes */
   double width, height; /* its sides: in the plane z = const along x and y; 0: none */
+  double cone[3];       /* unit vector, world frame: axis of the largest cone in them from a sphere's centre */
+  double half_angle;    /* angle between the cone and its axis, to 1e-5, in radians; 0: none, the outline has a gap, or
+                         * a plane */
 } km_aspect_workspace;
 
 /* A map. */

@@ -169,7 +169,9 @@ static km_status find_in_aspect(km_workspace_search *w, km_aspect_workspace *out
   if (!km_outline_find(&w->net, w->jump, &w->g->arena, &outline))
     return no_memory(error);
   out->area = isfinite(outline.gap) && outline.area > 0.0 ? outline.area : nan("");
-  if (outline.gap > 0.0 || outline.part_count == 0 || w->g->f.point_surface.radius > 0.0)
+  if (outline.gap == 0.0 && w->g->f.point_surface.radius > 0.0)
+    return km_map_find_largest_cone(w, out) ? KM_OK : no_memory(error);
+  if (outline.gap > 0.0 || outline.part_count == 0)
     return KM_OK;
   if (!km_largest_rectangle(&w->net, w->jump, &w->g->arena, low, high))
     return no_memory(error);

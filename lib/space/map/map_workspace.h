@@ -48,5 +48,7 @@ void km_aspects_join(km_workspace_search *w, int a, int b);
 /* Gives aspects without a side that of the side that faces them. False when out of memory. O(their grid points · curve
  * points). */
 bool km_facing_sides_join(km_workspace_search *w);
+/* Finds the largest cone in a sphere's region N > 0 of w->jump. False when out of memory. O(squares · segments). */
+bool km_map_find_largest_cone(km_workspace_search *w, km_aspect_workspace *out);
 
 #endif

@@ -341,3 +341,20 @@ int km_curve_net_count(const km_curve_net *net, const int *jump, const double *p
       sum += jump[net->segments[i].piece] * crossings(&net->segments[i], place);
   return sum;
 }
+
+void km_segment_chord_point(const km_outline_segment *s, int k, double *place) {
+  double u = (double)k / KM_SEGMENT_CHORDS;
+  place[0] = km_cubic(s->c[0], u);
+  place[1] = km_cubic(s->c[1], u);
+}
+
+bool km_curve_net_extent(const km_curve_net *net, const int *jump, double *low, double *high) {
+  low[0] = low[1] = HUGE_VAL;
+  high[0] = high[1] = -HUGE_VAL;
+  for (int i = 0; i < net->segment_count; ++i)
+    for (int d = 0; d < 2 && jump[net->segments[i].piece]; ++d) {
+      low[d] = fmin(low[d], net->segments[i].low[d]);
+      high[d] = fmax(high[d], net->segments[i].high[d]);
+    }
+  return low[0] < high[0] && low[1] < high[1];
+}

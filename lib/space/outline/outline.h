@@ -74,8 +74,32 @@ int km_curve_net_count(const km_curve_net *net, const int *jump, const double *p
 double km_segment_distance(const km_outline_segment *s, const double *place, double within, double *u);
 /* Distance of a place from the curves with a jump, to 1e-6 of the extent. O(segments). */
 double km_curve_net_distance(const km_curve_net *net, const int *jump, const double *place);
+enum { KM_SEGMENT_CHORDS = 4 };
+/* Place of a segment at the start of chord k; KM_SEGMENT_CHORDS: its end. */
+void km_segment_chord_point(const km_outline_segment *s, int k, double *place);
+/* Least and largest coordinates of the curves with a jump. False: there are none. */
+bool km_curve_net_extent(const km_curve_net *net, const int *jump, double *low, double *high);
 /* Finds the outline of N > 0. False when out of memory. O(parts · segments + parts²). */
 bool km_outline_find(const km_curve_net *net, const int *jump, km_arena *arena, km_outline *out);
+
+/* A square of a chart, or of one of several. */
+typedef struct km_square {
+  double centre[2], half; /* half: of its side */
+  int face;               /* number of the chart */
+  double bound;           /* set by the search: no place in it is farther from the boundary */
+} km_square;
+/* A region in which the place farthest from its boundary is sought. */
+typedef struct km_free_region {
+  const void *context;
+  /* Distance of the square's centre from the boundary, also from outside. Places of a chart whose distance there is x
+   * have values that differ by x at most. */
+  double (*distance)(const void *context, const km_square *square);
+  bool (*is_inside)(const void *context, const km_square *square); /* its centre */
+  double accuracy;
+} km_free_region;
+/* Largest distance from the boundary within the squares and the region, to `accuracy`; a lower bound where that needs
+ * more than 20 000 squares, as in a long corridor. 0: none, *best is then kept. O(squares). */
+double km_largest_distance(const km_free_region *region, const km_square *first, int first_count, km_square *best);
 /* Largest circle in N > 0 that no curve with a jump meets, to 1e-5 of the extent; radius 0: none. A lower bound
  * where that needs more than 20 000 squares, as in a long corridor. O(squares · segments). */
 void km_largest_circle(const km_curve_net *net, const int *jump, double *centre, double *radius);
