@@ -6,10 +6,10 @@
 
 #include <string.h>
 
-static const km_question_class *const kinds[] = {&km_mobility_question, &km_advantage_question, &km_forces_question,
-                                                 &km_track_question,    &km_run_question,       &km_inverse_question,
-                                                 &km_motion_question,   &km_allowance_question, &km_clearance_question,
-                                                 &km_modes_question,    &km_map_question,       &km_turning_question};
+static const km_question_class *const kinds[] = {
+    &km_mobility_question, &km_advantage_question, &km_forces_question,    &km_track_question,     &km_run_question,
+    &km_inverse_question,  &km_motion_question,    &km_allowance_question, &km_clearance_question, &km_modes_question,
+    &km_map_question,      &km_turning_question,   &km_volume_question};
 
 int km_question_kinds(void) {
   return (int)(sizeof kinds / sizeof *kinds);

@@ -36,7 +36,7 @@ typedef struct km_question_class {
 
 extern const km_question_class km_mobility_question, km_advantage_question, km_forces_question, km_track_question,
     km_run_question, km_inverse_question, km_motion_question, km_allowance_question, km_clearance_question,
-    km_modes_question, km_map_question, km_turning_question;
+    km_modes_question, km_map_question, km_turning_question, km_volume_question;
 
 struct km_question {
   const km_mechanism *m;

@@ -1,5 +1,5 @@
-/* Requests of kinds "modes", "map" and "turning": whole configuration spaces, without a motion (docs/theory.md 4.15,
- * 4.19, 4.20).
+/* Requests of kinds "modes", "map", "turning" and "volume": whole configuration spaces, without a motion (docs/theory.md
+ * 4.15, 4.19, 4.20, 4.23).
  *
  *   modes : a row for each assembly mode with some joints locked; "max mode" and "max circuit" are their numbers
  *   map   : a row for each grid point over two drivers, on the sheet of the state. reached = 1, or 0 where the sheet
@@ -7,9 +7,11 @@
  *           limits or a least clearance leave out the point. "mean reached" is the share of the range that is free of
  *           singularities of the drivers and allowed
  *   turning : one row, of the driver on the circuit of the state: turns = 1 if it goes fully round, else 0; range
- *           between its dead points, a full turn if it turns, infinite if a motion without end has none */
+ *           between its dead points, a full turn if it turns, infinite if a motion without end has none
+ *   volume: one row, of a point's workspace: its volume, or its area in a plane, with the ends of the 95 % interval */
 #include "kmech/inspect.h"
 #include "kmech/space.h"
+#include "kmech/volume.h"
 #include "question/question.h"
 #include "space/driver_circuit.h"
 
@@ -73,6 +75,19 @@ enum { TURNING_JOINT, TURNING_OPTIONS };
 static const km_option turning_options[TURNING_OPTIONS] = {
     {"joint", KM_OPTION_COORDINATE, "JOINT", "", "the driver of the model's analysis.sweep", "The driver, in a loop", 0,
      0, NULL, false},
+};
+
+enum { VOLUME_POINT, VOLUME_SAMPLES, VOLUME_OWN, VOLUME_LIMITS, VOLUME_CLEARANCE, VOLUME_OPTIONS };
+
+static const km_option volume_options[VOLUME_OPTIONS] = {
+    {"point", KM_OPTION_POINTS, "BODY/FRAME", "", NULL, "The point", 0, 0, NULL, false},
+    {"samples", KM_OPTION_WHOLE, "N", "", "10000", "Most points of the box that are decided", KM_MIN_VOLUME_SAMPLES,
+     KM_MAX_VOLUME_SAMPLES, NULL, false},
+    {"own", KM_OPTION_FLAG, NULL, "", NULL, "Only configurations that a motion from the pose leads to", 0, 0, NULL,
+     false},
+    {"limits", KM_OPTION_FLAG, NULL, "", NULL, "Configurations beyond the joint limits don't count", 0, 0, NULL, false},
+    {"clearance", KM_OPTION_NUMBER, "X", "length", NULL, "Configurations in which bodies are nearer than X don't count",
+     -HUGE_VAL, HUGE_VAL, NULL, false},
 };
 
 typedef struct kind_data {
@@ -400,6 +415,69 @@ static km_status answer_turning(km_question *q, km_state *s, km_error *error) {
   return status;
 }
 
+/* ---- The volume of a workspace. */
+
+static km_status prepare_volume(km_question *q, km_error *error) {
+  const km_option_value *point = km_question_own_value(q, VOLUME_POINT);
+  return point && point->count == 1 ? KM_OK
+                                    : km_fail(error, KM_USAGE, "`point`: expected the point of a workspace, one");
+}
+
+static bool fill_volume(const km_model *model, const km_space_volume *v, km_table *table) {
+  const char *names[] = {"step",    "s",           v->dimension == 3 ? "volume" : "area",
+                         "low",     "high",        "standard_error",
+                         "reached", "not_reached", "undecided"};
+  enum { FIRST_SIZE = 2, SIZES = 4, COLUMNS = sizeof names / sizeof *names };
+  km_text unit = {0};
+  km_text_format(&unit, "%s^%d", km_model_units(model).length->suffix, v->dimension);
+  bool is_ok = table && !unit.failed;
+  for (int k = 0; is_ok && k < COLUMNS; ++k)
+    is_ok = km_table_add_column(table, names[k], k >= FIRST_SIZE && k < FIRST_SIZE + SIZES ? unit.data : "") >= 0;
+  double *row = is_ok ? km_table_add_row(table) : NULL;
+  if (row) /* step and s are 0 */
+    memcpy(row + FIRST_SIZE,
+           (const double[]){v->volume, v->low, v->high, v->standard_error, v->reached, v->not_reached, v->undecided},
+           (COLUMNS - FIRST_SIZE) * sizeof *row);
+  km_text_free(&unit);
+  return row != NULL;
+}
+
+static km_status answer_volume(km_question *q, km_state *s, km_error *error) {
+  kind_data *o = q->kind_data;
+  const km_option_value *point = km_question_own_value(q, VOLUME_POINT),
+                        *samples = km_question_own_value(q, VOLUME_SAMPLES),
+                        *own = km_question_own_value(q, VOLUME_OWN), *limits = km_question_own_value(q, VOLUME_LIMITS),
+                        *least = km_question_own_value(q, VOLUME_CLEARANCE);
+  km_clearance *clearance = NULL;
+  km_space_volume volume = {0};
+  km_status status = least ? km_question_prepare_clearance(q, s, NULL, &clearance, error) : KM_OK;
+  const km_space_volume_def def = {.frame = point->points[0].frame,
+                                   .point_name = point->points[0].name,
+                                   .own_circuit = own && own->flag,
+                                   .within_limits = limits && limits->flag,
+                                   .clearance = clearance,
+                                   .least_clearance = least ? least->numbers[0] : 0.0,
+                                   .samples = samples ? samples->whole : 0,
+                                   .seed = SEED};
+  if (!status)
+    status = km_space_volume_find(q->m, s, &def, q->progress, q->context, &volume, error);
+  if (!status) {
+    o->table = km_table_create();
+    if (!fill_volume(q->m->model, &volume, o->table))
+      status = no_memory(error);
+    else if (!volume.is_complete)
+      status = KM_PARTIAL;
+  }
+  km_space_volume_free(&volume);
+  km_clearance_free(clearance);
+  return status;
+}
+
+static void end_of_volume(const km_question *q, km_text *out) {
+  (void)q;
+  km_text_add(out, "the box of the workspace grew to the last");
+}
+
 /* A map is complete, and so is a circuit. */
 static void end_of_map(const km_question *q, km_text *out) {
   (void)q;
@@ -480,3 +558,18 @@ const km_question_class km_turning_question = {.name = "turning",
                                                .event_count = event_count,
                                                .event = event,
                                                .clear_result = clear_result};
+
+const km_question_class km_volume_question = {.name = "volume",
+                                              .options = volume_options,
+                                              .option_count = VOLUME_OPTIONS,
+                                              .size = sizeof(kind_data),
+                                              .is_space = true,
+                                              .prepare = prepare_volume,
+                                              .answer = answer_volume,
+                                              .table = table,
+                                              .planned_rows = planned_rows,
+                                              .planned_place = planned_place,
+                                              .end_reason = end_of_volume,
+                                              .event_count = event_count,
+                                              .event = event,
+                                              .clear_result = clear_result};

@@ -25,7 +25,7 @@ def test_the_version_is_the_projects():
 
 def test_every_kind_of_question_is_a_method(brake):
     assert kmech.kinds() == ["mobility", "advantage", "forces", "track", "run", "inverse", "motion",
-                             "allowance", "clearance", "modes", "map", "turning"]
+                             "allowance", "clearance", "modes", "map", "turning", "volume"]
     for kind in kmech.kinds()[:3]:
         answer = getattr(brake, kind)(range=(20, 32), steps=4)
         assert len(answer) == 5 and answer.complete
@@ -351,6 +351,11 @@ def test_spaces(source):
     modes = kmech.load(source / "models/fourbar.json").modes()
     assert list(modes["mode"]) == [1, 2] and list(modes["circuit"]) == [1, 2] and modes.complete
     crank = kmech.load(source / "models/fourbar.json").turning()
+    reach = kmech.load(source / "models/five_bar.json").volume(point=["rod1/P"], samples=2000)
+    lens = 4.5 * math.acos(1 / 3) - math.sqrt(2) - 2 * math.pi * 0.09  # test_maps_over_two_drivers
+    assert reach["low"][0] < lens < reach["high"][0] and abs(reach["area"][0] - lens) < 4 * reach["standard_error"][0] + 0.01
+    with pytest.raises(kmech.UsageError, match="point"):
+        kmech.load(source / "models/five_bar.json").volume()
     assert len(crank) == 1 and crank["turns"][0] == 1 and crank["range"][0] == pytest.approx(2 * math.pi) and crank["dead_points"][0] == 0
     found = kmech.load(source / "models/five_bar.json").map(steps=20, first_range=(-2, 2), second_range=(-2, 2))
     reached = found["reached"] == 1

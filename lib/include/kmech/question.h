@@ -75,7 +75,8 @@ typedef struct km_option_value {
 } km_option_value;
 
 /* Kinds of requests, 0 … km_question_kinds() - 1: the name ("mobility", "advantage", "forces", "track", "run",
- * "inverse", "motion", "allowance", "clearance", "modes", "map", "turning"; "" for another index) and an option: the kind's own ones first, then those of every sweep
+ * "inverse", "motion", "allowance", "clearance", "modes", "map", "turning",
+ * "volume"; "" for another index) and an option: the kind's own ones first, then those of every sweep
  * ("mobility", "advantage", "forces", "motion", "allowance", "clearance"); NULL past the last. */
 KM_API int km_question_kinds(void);
 KM_API const char *km_question_kind_name(int kind);

@@ -84,7 +84,7 @@ static const km_object_format figure_format = {"figure", figure_fields};
 
 static const km_field question_fields[] = {
     {"name", "Of its files.", STRING, UNSTATED("the question's own word")},
-    {"question", "\"mobility\", \"advantage\", \"forces\", \"track\", \"run\", \"inverse\", \"motion\", \"allowance\", \"clearance\", \"modes\", \"map\" or \"turning\".", STRING,
+    {"question", "\"mobility\", \"advantage\", \"forces\", \"track\", \"run\", \"inverse\", \"motion\", \"allowance\", \"clearance\", \"modes\", \"map\", \"turning\" or \"volume\".", STRING,
      REQUIRED},
     {"options",
      "The options of the sweep commands, but mode, pose and float: {\"joint\": \"A\", \"range\": [0, 6.28], \"steps\": 100, …}; of a track: "
