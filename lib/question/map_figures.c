@@ -16,7 +16,7 @@
 #include <math.h>
 
 /* The figures, and what they are computed with. */
-typedef struct asked_figures {
+typedef struct quantity_figures {
   km_map_figures figures; /* first member: the caller's pointer */
   km_arena arena;
   km_transfer *transfer;
@@ -24,14 +24,14 @@ typedef struct asked_figures {
   km_forces *forces;
   km_clearance *clearance;
   km_pair_clearance *pairs; /* [pair] of the present cell */
-} asked_figures;
+} quantity_figures;
 
 static km_status no_memory(km_error *error) {
   return km_fail(error, KM_MEMORY, "out of memory for the figures of the map");
 }
 
 static bool compute_advantage(void *context, const km_mechanism *mechanism, km_state *state, double *values) {
-  asked_figures *f = context;
+  quantity_figures *f = context;
   km_advantage advantage;
   bool is_ok = km_transfer_compute(mechanism, state, f->transfer, &advantage) == KM_OK;
   values[0] = advantage.value;
@@ -39,7 +39,7 @@ static bool compute_advantage(void *context, const km_mechanism *mechanism, km_s
 }
 
 static bool compute_forces(void *context, const km_mechanism *mechanism, km_state *state, double *values) {
-  asked_figures *f = context;
+  quantity_figures *f = context;
   bool is_ok = km_statics_compute(mechanism, state, f->forces, &f->statics) != KM_MEMORY;
   for (int i = 0; i < f->statics.actuator_count; ++i)
     values[i] = f->statics.actuator_forces[i];
@@ -47,7 +47,7 @@ static bool compute_forces(void *context, const km_mechanism *mechanism, km_stat
 }
 
 static bool compute_clearance(void *context, const km_mechanism *mechanism, km_state *state, double *values) {
-  asked_figures *f = context;
+  quantity_figures *f = context;
   int nearest;
   km_poses_compute(mechanism, state);
   bool is_ok = km_clearance_compute(f->clearance, state, f->pairs, &nearest, NULL) == KM_OK;
@@ -62,7 +62,7 @@ static const char *joined(km_arena *arena, const char *prefix, const char *name,
   return km_text_move_to_arena(&text, arena);
 }
 
-static km_status create_advantage(const km_mechanism *m, asked_figures *f, km_error *error) {
+static km_status create_advantage(const km_mechanism *m, quantity_figures *f, km_error *error) {
   km_port input, output;
   if (!km_port_default(m->model, false, &input) || !km_port_default(m->model, true, &output))
     return km_fail(error, KM_USAGE,
@@ -76,7 +76,7 @@ static km_status create_advantage(const km_mechanism *m, asked_figures *f, km_er
   return km_transfer_create(m, &input, &output, &f->transfer, error);
 }
 
-static km_status create_forces(const km_mechanism *m, const int *drivers, asked_figures *f, km_error *error) {
+static km_status create_forces(const km_mechanism *m, const int *drivers, quantity_figures *f, km_error *error) {
   int own = km_model_actuator_count(m->model), count = own > 0 ? own : 2;
   int *actuators = KM_ARENA_NEW(&f->arena, int, (size_t)count);
   const char **texts = KM_ARENA_NEW(&f->arena, const char *, 2 * (size_t)count);
@@ -97,7 +97,7 @@ static km_status create_forces(const km_mechanism *m, const int *drivers, asked_
   return status;
 }
 
-static km_status create_clearance(const km_mechanism *m, km_state *state, asked_figures *f, km_error *error) {
+static km_status create_clearance(const km_mechanism *m, km_state *state, quantity_figures *f, km_error *error) {
   km_poses_compute(m, state);
   km_status status = km_clearance_create(m, state, NULL, 0, &f->clearance, error);
   const char **texts = KM_ARENA_NEW(&f->arena, const char *, 2);
@@ -117,7 +117,7 @@ static km_status check_drivers(const km_mechanism *m, const int *drivers, km_err
   return status;
 }
 
-km_status km_map_figures_create(const km_mechanism *m, km_state *state, km_map_ask ask, const int *drivers,
+km_status km_map_figures_create(const km_mechanism *m, km_state *state, km_map_quantity quantity, const int *drivers,
                                 km_map_figures **out, km_error *error) {
   km_status status = km_check_given(out != NULL, "out", error);
   if (status)
@@ -126,15 +126,16 @@ km_status km_map_figures_create(const km_mechanism *m, km_state *state, km_map_a
   status = km_check_state(m, state, error);
   if (!status)
     status = check_drivers(m, drivers, error);
-  if (status || ask == KM_MAP_ASK_MOBILITY)
+  if (status || quantity == KM_MAP_QUANTITY_MOBILITY)
     return status;
-  asked_figures *f = KM_NEW(asked_figures, 1);
+  quantity_figures *f = KM_NEW(quantity_figures, 1);
   if (!f)
     return no_memory(error);
-  status = ask == KM_MAP_ASK_ADVANTAGE   ? create_advantage(m, f, error)
-           : ask == KM_MAP_ASK_FORCES    ? create_forces(m, drivers, f, error)
-           : ask == KM_MAP_ASK_CLEARANCE ? create_clearance(m, state, f, error)
-                                         : km_fail(error, KM_USAGE, "`ask`: expected %s", KM_MAP_ASK_WORDS);
+  status = quantity == KM_MAP_QUANTITY_ADVANTAGE ? create_advantage(m, f, error)
+           : quantity == KM_MAP_QUANTITY_FORCES  ? create_forces(m, drivers, f, error)
+           : quantity == KM_MAP_QUANTITY_CLEARANCE
+               ? create_clearance(m, state, f, error)
+               : km_fail(error, KM_USAGE, "`quantity`: expected %s", KM_MAP_QUANTITY_WORDS);
   if (!status && f->arena.failed)
     status = no_memory(error);
   if (status)
@@ -145,7 +146,7 @@ km_status km_map_figures_create(const km_mechanism *m, km_state *state, km_map_a
 }
 
 void km_map_figures_free(km_map_figures *figures) {
-  asked_figures *f = (asked_figures *)figures;
+  quantity_figures *f = (quantity_figures *)figures;
   if (!f)
     return;
   km_transfer_free(f->transfer);

@@ -64,7 +64,7 @@ static const km_option map_options[MAP_OPTIONS] = {
     {"ask", KM_OPTION_WORD, "QUESTION", "", NULL,
      "Add the leverage (advantage), the forces of the actuators (forces) or the least clearance of bodies (clearance) to "
      "each grid point; mobility (default) adds nothing",
-     0, KM_MAP_ASK_CLEARANCE, KM_MAP_ASK_WORDS, false},
+     0, KM_MAP_QUANTITY_CLEARANCE, KM_MAP_QUANTITY_WORDS, false},
     {"limits", KM_OPTION_FLAG, NULL, "", NULL, "Leave out grid points beyond the joint limits", 0, 0, NULL, false},
     {"clearance", KM_OPTION_NUMBER, "X", "length", NULL, "Leave out grid points in which bodies are nearer than X",
      -HUGE_VAL, HUGE_VAL, NULL, false},
@@ -318,8 +318,8 @@ static km_status create_map_parts(const km_question *q, km_state *s, km_space_ma
                                   km_clearance **clearance, km_error *error) {
   const km_option_value *ask = km_question_own_value(q, MAP_ASK), *least = km_question_own_value(q, MAP_CLEARANCE);
   const int drivers[2] = {def->axis[0].coordinate, def->axis[1].coordinate};
-  km_status status =
-      km_map_figures_create(q->m, s, ask ? (km_map_ask)ask->whole : KM_MAP_ASK_MOBILITY, drivers, figures, error);
+  km_status status = km_map_figures_create(q->m, s, ask ? (km_map_quantity)ask->whole : KM_MAP_QUANTITY_MOBILITY,
+                                           drivers, figures, error);
   if (!status && least)
     status = km_question_prepare_clearance(q, s, NULL, clearance, error);
   def->figures = *figures;

@@ -102,7 +102,7 @@ static void frames_and_units_dont_matter(void **state) {
   km_space_volume v = volume_of(&f, "c/tip", (km_space_volume_def){.samples = 1000, .seed = 3});
   km_space_volume w = volume_of(&small, "c/tip", (km_space_volume_def){.samples = 1000, .seed = 3});
   assert_int_equal(v.reached, w.reached);
-  assert_near(1e9 * v.volume / w.volume, 1.0, 1e-4); /* climbs end within 1e-6 of the length */
+  assert_near(1e9 * v.volume / w.volume, 1.0, 1e-4); /* extrema are exact to 1e-6 of the length */
   km_space_volume t = volume_of(&turned, "c/tip", (km_space_volume_def){.samples = 1000, .seed = 3});
   assert_samples(&t, is_in_shifted_shell);
   km_space_volume_free(&v);

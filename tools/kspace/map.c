@@ -225,7 +225,7 @@ static kt_exit run(const options *o, const kt_pose *pose) {
     const int drivers[2] = {a.def.axis[0].coordinate, a.def.axis[1].coordinate};
     km_error error;
     km_status status =
-        km_map_figures_create(pose->mechanism, pose->state, (km_map_ask)o->ask, drivers, &figures, &error);
+        km_map_figures_create(pose->mechanism, pose->state, (km_map_quantity)o->ask, drivers, &figures, &error);
     if (status)
       kt_print_message(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
     result = kt_exit_of(status);
@@ -265,7 +265,7 @@ kt_exit kspace_map(int argc, char **argv) {
        &o.point, KT_ABOUT_MODEL},
       {"ask", 0, "QUESTION",
        "Add the leverage (advantage), the forces of the actuators (forces) or the least clearance of bodies (clearance) to each cell",
-       KT_WORD(KM_MAP_ASK_WORDS), &o.ask, KT_ABOUT_MODEL},
+       KT_WORD(KM_MAP_QUANTITY_WORDS), &o.ask, KT_ABOUT_MODEL},
       {"show", 0, "COLUMN", "The column that the picture's colours show (default: the last that --ask or --point adds)",
        KT_TEXT, &o.show, KT_ABOUT_FILES},
       {"over-point", 0, NULL, "Draw the picture over the place of --point: the workspace", KT_FLAG, &o.over_point,

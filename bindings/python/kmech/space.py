@@ -128,7 +128,7 @@ def _workspace(found: Any) -> Workspace:
                      aspects, (tuple(surface.origin), surface.radius) if surface.radius > 0.0 else None)
 
 
-ASKS = ("mobility", "advantage", "forces", "clearance")  # in the order of km_map_ask
+QUANTITIES = ("mobility", "advantage", "forces", "clearance")  # in the order of km_map_quantity
 
 
 def _kept_pairs(mechanism: Mechanism, state: State, clearance: Optional[float]) -> Any:
@@ -144,9 +144,9 @@ def _kept_pairs(mechanism: Mechanism, state: State, clearance: Optional[float]) 
 def _map_parts(mechanism: Mechanism, state: State, ask: str, locked: Any, clearance: Optional[float]) -> Tuple[Any, Any]:
     """The figures that the map adds to its cells, and the pairs of bodies that keep a clearance; NULL: none."""
     error, figures = new_error(), ffi.new("km_map_figures **")
-    if ask not in ASKS:
-        raise UsageError(f"ask={ask!r}: expected one of {', '.join(ASKS)}")
-    check(lib.km_map_figures_create(mechanism._c, state._c, ASKS.index(ask), locked, figures, error), error)
+    if ask not in QUANTITIES:
+        raise UsageError(f"ask={ask!r}: expected one of {', '.join(QUANTITIES)}")
+    check(lib.km_map_figures_create(mechanism._c, state._c, QUANTITIES.index(ask), locked, figures, error), error)
     added = ffi.gc(figures[0], lib.km_map_figures_free) if figures[0] else ffi.NULL
     return added, _kept_pairs(mechanism, state, clearance)
 

@@ -154,21 +154,21 @@ typedef struct km_map_figures {
 } km_map_figures;
 
 /* Figures that can be added to each cell of a map. */
-typedef enum km_map_ask {
-  KM_MAP_ASK_MOBILITY,  /* nothing beside the mobility numbers, which every cell has */
-  KM_MAP_ASK_ADVANTAGE, /* column ma.INPUT/OUTPUT: km_transfer_compute */
-  KM_MAP_ASK_FORCES,    /* columns f.JOINT: km_statics_compute */
-  KM_MAP_ASK_CLEARANCE  /* column clearance: km_clearance_compute */
-} km_map_ask;
-/* Words of km_map_ask, in its order. */
-#define KM_MAP_ASK_WORDS "mobility or advantage or forces or clearance"
+typedef enum km_map_quantity {
+  KM_MAP_QUANTITY_MOBILITY,  /* nothing beside the mobility numbers, which every cell has */
+  KM_MAP_QUANTITY_ADVANTAGE, /* column ma.INPUT/OUTPUT: km_transfer_compute */
+  KM_MAP_QUANTITY_FORCES,    /* columns f.JOINT: km_statics_compute */
+  KM_MAP_QUANTITY_CLEARANCE  /* column clearance: km_clearance_compute */
+} km_map_quantity;
+/* Words of km_map_quantity, in its order. */
+#define KM_MAP_QUANTITY_WORDS "mobility or advantage or forces or clearance"
 
-/* Creates the figures of `ask`; `*out` is NULL for KM_MAP_ASK_MOBILITY. Input and output of the advantage are those of
- * the model's analysis. The actuators are the model's, else drivers[2]. Pairs of bodies are chosen at the configuration
- * of `state`, whose poses are computed. The mechanism must outlive the figures, which the caller frees. KM_USAGE: a
- * driver is invalid, the model has no input or output, or no pair of bodies has shapes; KM_MODEL, KM_IO: shapes, loads;
- * KM_MEMORY. */
-KM_API km_status km_map_figures_create(const km_mechanism *mechanism, km_state *state, km_map_ask ask,
+/* Creates the figures of `quantity`; `*out` is NULL for KM_MAP_QUANTITY_MOBILITY. Input and output of the advantage are
+ * those of the model's analysis. The actuators are the model's, else drivers[2]. Pairs of bodies are chosen at the
+ * configuration of `state`, whose poses are computed. The mechanism must outlive the figures, which the caller frees.
+ * KM_USAGE: a driver is invalid, the model has no input or output, or no pair of bodies has shapes; KM_MODEL, KM_IO:
+ * shapes, loads; KM_MEMORY. */
+KM_API km_status km_map_figures_create(const km_mechanism *mechanism, km_state *state, km_map_quantity quantity,
                                        const int *drivers, km_map_figures **out, km_error *error);
 KM_API void km_map_figures_free(km_map_figures *figures);
 

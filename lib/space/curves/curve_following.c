@@ -14,10 +14,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_POINTS = 20000 };
-static const double shortest_step = 1e-7;
-static const double most_interpolation_error = 1e-9;
-static const double beside_branch = 1e-6; /* part of a step: at the branch itself M is singular */
+enum { MOST_POINTS = 20000 /* a length of 400 in the longest steps */ };
+static const double shortest_step = 1e-7;            /* a shorter one has no digits of a direction: closed to 1e-13 */
+static const double most_interpolation_error = 1e-9; /* a tenth of the 1e-8 that outlines are made for */
+static const double beside_branch = 1e-6;            /* part of a step: at the branch itself M is singular */
 
 /* Functions whose roots are located. */
 enum { MARGIN, INPUT_DETERMINANT, OUTPUT_DETERMINANT, BRANCH_DETERMINANT, NUMBER_RATE, FUNCTIONS };
@@ -132,11 +132,11 @@ static void update_values(km_surface_curves *v, double *value) {
     value[i] = function_value(v, i);
 }
 
-/* Value of the watched function after a step h from v->from; NaN where the curve isn't met. */
-static double watched_value(double h, void *context) {
+/* Value of the located function after a step h from v->from; NaN where the curve isn't met. */
+static double located_value(double h, void *context) {
   km_surface_curves *v = context;
   double first;
-  return step(v, h, &first) ? function_value(v, v->watched) : nan("");
+  return step(v, h, &first) ? function_value(v, v->located) : nan("");
 }
 
 static int by_step(const void *a, const void *b) {
@@ -150,8 +150,8 @@ static int find_roots(km_surface_curves *v, double h, const double *value, curve
   for (int i = 0; i < FUNCTIONS; ++i) {
     if (!(v->from.value[i] * value[i] < 0.0))
       continue;
-    v->watched = i;
-    double root = km_locate_root(watched_value, v, 0.0, h, v->from.value[i], value[i]);
+    v->located = i;
+    double root = km_locate_root(located_value, v, 0.0, h, v->from.value[i], value[i]);
     roots[count++] = (curve_root){i == BRANCH_DETERMINANT ? root + beside_branch * h : root, i};
   }
   qsort(roots, (size_t)count, sizeof *roots, by_step);
@@ -206,52 +206,80 @@ static double interpolation_error(double h, double first) {
   return 8.0 * first * first * first / (384.0 * h * h);
 }
 
-bool km_curve_follow(km_surface_curves *v, bool *is_closed, double *length) {
-  km_driver_surface *f = v->system.f;
-  double h = km_longest_curve_step, travelled = 0.0, value[FUNCTIONS];
-  *length = 0.0;
-  curve_root roots[FUNCTIONS];
-  *is_closed = false;
+/* Prepares the curve's first point. False: the curve has no tangent there. */
+static bool begin(km_surface_curves *v) {
   if (!km_curve_system_update_tangent(&v->system))
-    return true;
+    return false;
   km_followed_point_save(v, &v->from);
   km_followed_point_save(v, &v->start);
   update_values(v, v->from.value);
   if (fabs(v->from.value[MARGIN]) <= km_at_curve_end)
     v->from.value[MARGIN] = 0.0;
-  for (int i = 0; i < MOST_POINTS && h >= shortest_step;) {
-    double first = 0.0;
-    if (!step(v, h, &first) || interpolation_error(h, first) > most_interpolation_error) {
-      h *= 0.5;
-      continue;
-    }
+  return true;
+}
+
+/* Moves by h, halved until the interpolant is exact enough. *first: the correction. False: no step is long enough. */
+static bool step_accurately(km_surface_curves *v, double *h, double *first) {
+  for (; *h >= shortest_step; *h *= 0.5)
+    if (step(v, *h, first) && interpolation_error(*h, *first) <= most_interpolation_error)
+      return true;
+  return false;
+}
+
+/* True if the last step h of the travelled length has passed the start, in its direction. */
+static bool has_passed_start(km_surface_curves *v, double h, double travelled) {
+  const km_driver_surface *f = v->system.f;
+  return travelled > 3.0 * h && km_dot(v->system.t, v->start.t, f->columns) > 0.0 &&
+         km_driver_surface_difference(f, v->start.saved, f->step) < h &&
+         km_dot(f->step, v->system.t, f->columns) >= 0.0;
+}
+
+/* Shortens the step h that has passed the start, so that it ends there. False: the curve isn't met. */
+static bool end_at_start(km_surface_curves *v, double *h) {
+  const km_driver_surface *f = v->system.f;
+  double first;
+  *h -= km_dot(f->step, v->system.t, f->columns);
+  return step(v, *h, &first);
+}
+
+/* Adds the points of the step h: those at roots, and its end, where the next one begins. `is_last`: none does. *is_end:
+ * the curve ends at a root; *is_over: no step follows. False when out of memory. */
+static bool add_step(km_surface_curves *v, double h, bool is_last, bool *is_end, bool *is_over) {
+  double value[FUNCTIONS], first;
+  curve_root roots[FUNCTIONS];
+  update_values(v, value);
+  int count = find_roots(v, h, value, roots);
+  if (count > 0 && !add_roots(v, roots, count, is_end))
+    return false;
+  *is_over = *is_end || is_last || value[MARGIN] < 0.0 || (count > 0 && !step(v, h, &first));
+  if (*is_over)
+    return true;
+  if (!km_curve_add_point(v, KM_TURNING_NONE))
+    return false;
+  if (km_driver_surface_exchange(v->system.f) && km_curve_system_update_tangent(&v->system))
+    update_values(v, value);
+  km_followed_point_save(v, &v->from);
+  memcpy(v->from.value, value, sizeof value);
+  return true;
+}
+
+bool km_curve_follow(km_surface_curves *v, bool *is_closed, double *length) {
+  const km_driver_surface *f = v->system.f;
+  double h = km_longest_curve_step, travelled = 0.0, first;
+  bool is_end = false, is_over = !begin(v);
+  *length = 0.0;
+  *is_closed = false;
+  for (int i = 0; i < MOST_POINTS && !is_over && step_accurately(v, &h, &first); ++i) {
     travelled += h;
     *length += km_driver_surface_difference(f, v->from.saved, f->step);
-    ++i;
-    bool is_end = false;
-    *is_closed = travelled > 3.0 * h && km_dot(v->system.t, v->start.t, f->columns) > 0.0 &&
-                 km_driver_surface_difference(f, v->start.saved, f->step) < h &&
-                 km_dot(f->step, v->system.t, f->columns) >= 0.0;
-    if (*is_closed) { /* passed: a step to the start */
-      h -= km_dot(f->step, v->system.t, f->columns);
-      if (!step(v, h, &first))
-        return true;
-    }
-    update_values(v, value);
-    int count = find_roots(v, h, value, roots);
-    if (count > 0 && !add_roots(v, roots, count, &is_end))
-      return false;
-    *length = is_end ? HUGE_VAL : *length;
-    if (is_end || *is_closed || value[MARGIN] < 0.0 || (count > 0 && !step(v, h, &first)))
+    *is_closed = has_passed_start(v, h, travelled);
+    if (*is_closed && !end_at_start(v, &h))
       return true;
-    if (!km_curve_add_point(v, KM_TURNING_NONE))
+    if (!add_step(v, h, *is_closed, &is_end, &is_over))
       return false;
-    if (km_driver_surface_exchange(f) && km_curve_system_update_tangent(&v->system))
-      update_values(v, value);
-    km_followed_point_save(v, &v->from);
-    memcpy(v->from.value, value, sizeof value);
     if (interpolation_error(2.0 * h, 4.0 * first) < most_interpolation_error)
       h = fmin(2.0 * h, km_longest_curve_step);
   }
+  *length = is_end ? HUGE_VAL : *length;
   return true;
 }

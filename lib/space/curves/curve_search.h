@@ -18,7 +18,7 @@ struct km_surface_curves {
   km_table *table;
   km_arena arena;
   int count;
-  int watched; /* function whose root is located */
+  int located; /* function whose root is located */
   km_followed_point from, start;
   km_curve_point *points; /* [point_count] of all curves; those of the present one as they were found */
   size_t point_count, capacity;

@@ -8,6 +8,7 @@
 #include <string.h>
 
 enum { MOST_NEWTON = 12 };
+static const double shift = 1e-14;             /* some roundings of the unit entries of KᵀK, which it keeps regular */
 static const double difference = 1e-6;         /* step of the central differences: rounding 1e-10, their error 1e-12 */
 static const double converged = 3e-7;          /* last correction: the one after it, about its square, is rounding */
 static const double longest_correction = 0.02; /* a longer one, of (q, z), leads to another curve */
@@ -196,7 +197,7 @@ bool km_curve_system_start_vector(km_curve_system *y) {
   update(y, y->K);
   for (int i = 0; i < w; ++i)
     for (int j = 0; j < w; ++j) {
-      double sum = i == j ? 1e-14 : 0.0;
+      double sum = i == j ? shift : 0.0;
       for (int k = 0; k < w; ++k)
         sum += y->K[k * w + i] * y->K[k * w + j];
       square[i * w + j] = sum;

@@ -18,7 +18,9 @@
 enum { PARTS = 3 /* steps to a distance */, MOST_NEWTON = 8 };
 static const double beside = 1e-3;      /* distance at which the signs of a side are taken */
 static const double most_beside = 0.05; /* its largest part of the piece's length: other curves are beyond */
-static const double distances[] = {0.05, 0.02, 0.1}; /* distances from which a side's grid point is reached */
+/* Distances from a curve at which a side's grid point is looked for: that of starts of sheets, and twice as far, since
+ * the grid point may have another sign (test_space_joints, a head's zone). */
+static const double distances[] = {0.05, 0.1};
 static const double converged = 1e-12;
 static const double same_vertex = 1e-5; /* distance of ends that are one vertex: located to 1e-8 */
 

@@ -10,10 +10,11 @@
 #include <string.h>
 
 enum { MOST_NEWTON = 12, MOST_HALVINGS = 3 /* halvings of segments that run along each other */, NO_TURN = 2 };
-static const double converged = 1e-8;  /* last correction of u: its square is rounding */
-static const double beyond_end = 1e-6; /* points so far beyond an end of a segment count for both, in u and extents */
-static const double parallel = 1e-5;   /* sine of the angle of curves that run along each other */
-static const double same_place = 3e-8; /* part of the extent: ends on another curve, whose error is 1e-9 */
+static const double converged = 1e-8;   /* last correction of u: its square is rounding */
+static const double beyond_end = 1e-6;  /* points so far beyond an end of a segment count for both, in u and extents */
+static const double root_width = 1e-14; /* a root's last bracket, in u: some roundings */
+static const double parallel = 1e-5;    /* sine of the angle of curves that run along each other */
+static const double same_place = 3e-8;  /* part of the extent: ends on another curve, whose error is 1e-9 */
 
 typedef struct cut {
   int piece;
@@ -308,7 +309,7 @@ static double y_at(const km_outline_segment *s, double u) {
 /* x at the root of y(u) = y within from … to, where y(u) − y changes its sign. */
 static double place_of_root(const km_outline_segment *s, double y, double from, double to) {
   bool grows = y_at(s, to) > y_at(s, from);
-  while (to - from > 1e-14) {
+  while (to - from > root_width) {
     double u = 0.5 * (from + to);
     if (u <= from || u >= to)
       break;
