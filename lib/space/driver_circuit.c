@@ -2,13 +2,14 @@
 #include "space/driver_circuit.h"
 
 #include "base/event_locator.h"
+#include "base/number/vectors.h"
 #include "continuation/arc_motion.h"
 
 #include <string.h>
 
 static const double far_slide = 100.0;        /* displacement of a slide at infinity, sizes of the part */
 static const double longest_circuit = 2000.0; /* arc length in one sense */
-static const double least_return = 5.0;       /* shortest circuit of a mechanism with spinning rods, in steps */
+static const double same_place = 1e-6;        /* distance from the start of a motion that returned: radians, sizes */
 
 km_status km_driver_circuit_create(km_driver_surface *f, int driver, km_arena *arena, km_driver_circuit *out,
                                    km_error *error) {
@@ -23,6 +24,7 @@ km_status km_driver_circuit_create(km_driver_surface *f, int driver, km_arena *a
                              .place = KM_ARENA_NEW(arena, double, f->saved_size),
                              .now = KM_ARENA_NEW(arena, double, f->saved_size),
                              .sample = KM_ARENA_NEW(arena, double, f->saved_size),
+                             .first_step = KM_ARENA_NEW(arena, double, (size_t)f->columns),
                              .starts = KM_ARENA_NEW(arena, double, KM_MOST_CIRCUIT_STARTS * f->saved_size)};
   return arena->failed ? km_fail(error, KM_MEMORY, "out of memory for the circuit of a driver") : KM_OK;
 }
@@ -46,11 +48,12 @@ static double driver_rate(double s, void *context) {
 }
 
 /* Moves to the dead point between the present configuration, where the driver's rate is `after`, and the one `length`
- * before it. */
-static bool move_to_dead_point(km_driver_circuit *g, km_arc_motion *motion, double length, double before,
-                               double after) {
+ * before it. False: it isn't reached, or within the part `beyond` of the way. */
+static bool move_to_dead_point(km_driver_circuit *g, km_arc_motion *motion, double length, double before, double after,
+                               double beyond) {
   sampled_motion at = {g, motion};
-  return km_arc_motion_sample(motion, km_locate_root(driver_rate, &at, -length, 0.0, before, after), g->rates);
+  double root = km_locate_root(driver_rate, &at, -length, 0.0, before, after);
+  return root <= -beyond && km_arc_motion_sample(motion, root, g->rates);
 }
 
 static void note_start(km_driver_circuit *g, const double *saved) {
@@ -60,8 +63,8 @@ static void note_start(km_driver_circuit *g, const double *saved) {
 
 /* Notes the dead point of the last step. */
 static void note_dead_point(km_driver_circuit *g, km_arc_motion *motion, double length, double before, double after,
-                            km_driver_swing *swing) {
-  if (move_to_dead_point(g, motion, length, before, after)) {
+                            double beyond, km_driver_swing *swing) {
+  if (move_to_dead_point(g, motion, length, before, after, beyond)) {
     double q = g->f->s->q[driver_of(g)];
     km_driver_surface_save(g->f, g->sample);
     note_start(g, g->sample);
@@ -83,34 +86,66 @@ static bool is_far(const km_driver_circuit *g) {
   return false;
 }
 
-/* True if the state is back at g->place but for spins of rods, after a step of this length: half of it away at most. */
-static bool has_returned(km_driver_circuit *g, double length, double step) {
-  if (g->f->rod_count == 0 || length < least_return * step)
-    return false;
+/* Step from the start to the state's configuration but for spins of rods, to g->f->step. Returns its length. */
+static double difference_from_start(km_driver_circuit *g) {
   km_driver_surface_save(g->f, g->now);
   km_driver_surface_stop_spins(g->f);
   double distance = km_driver_surface_difference(g->f, g->place, g->f->step);
   km_driver_surface_restore(g->f, g->now);
-  return distance <= 0.5 * step;
+  return distance;
+}
+
+/* Part of that step along the first one. */
+static double along_first_step(const km_driver_circuit *g) {
+  return km_dot(g->first_step, g->f->step, g->f->columns);
+}
+
+/* That part at arc length s from the present configuration; NaN where it isn't reached. */
+static double along_at(double s, void *context) {
+  const sampled_motion *at = context;
+  bool is_reached = km_arc_motion_sample(at->motion, s, at->g->rates);
+  double along = is_reached && difference_from_start(at->g) >= 0.0 ? along_first_step(at->g) : nan("");
+  km_arc_motion_restore(at->motion);
+  return along;
+}
+
+/* True if the last step of a motion with spinning rods, of this length, passed its start. *beyond: how far. `before`:
+ * the part along the first step where the last one began; it is then that of its end. */
+static bool has_returned(km_driver_circuit *g, km_arc_motion *motion, double step, double *before, double *beyond) {
+  double distance = difference_from_start(g), start = *before, after = along_first_step(g);
+  *before = after;
+  if (!(start < 0.0 && after >= 0.0) || distance > 2.0 * step)
+    return false;
+  sampled_motion at = {g, motion};
+  double root = km_locate_root(along_at, &at, -step, 0.0, start, after);
+  bool is_there = km_arc_motion_sample(motion, root, g->rates) && difference_from_start(g) <= same_place;
+  km_arc_motion_restore(motion);
+  *beyond = is_there ? -root : 0.0;
+  return is_there;
 }
 
 /* Follows a motion until it closes or ends. *is_closed: it closed. */
 static void follow_motion(km_driver_circuit *g, km_arc_motion *motion, km_driver_swing *swing, bool *is_closed) {
   int d = driver_of(g);
-  double start = g->f->s->q[d], last = km_arc_motion_length(motion);
+  double start = g->f->s->q[d], first = km_arc_motion_length(motion), last = first;
   km_arc_motion_tangent(motion, g->rates);
-  double before = g->rates[d], earlier = before;
+  double before = g->rates[d], earlier = before, along = 0.0;
   for (bool is_moving = true; is_moving && !*is_closed;) {
     km_driver_surface_save(g->f, g->sample);
     is_moving = !km_arc_motion_advance(motion, km_longest_arc_step) && !is_far(g) &&
                 km_arc_motion_length(motion) < longest_circuit;
     km_arc_motion_tangent(motion, g->rates);
-    double now = km_arc_motion_length(motion), after = g->rates[d];
+    double now = km_arc_motion_length(motion), after = g->rates[d], beyond = 0.0;
+    if (g->f->rod_count > 0 && last == first) {
+      difference_from_start(g);
+      memcpy(g->first_step, g->f->step, (size_t)g->f->columns * sizeof *g->first_step);
+    }
+    *is_closed =
+        km_arc_motion_closed(motion) || (g->f->rod_count > 0 && has_returned(g, motion, now - last, &along, &beyond));
     if (before * after < 0.0)
-      note_dead_point(g, motion, now - last, before, after, swing);
+      note_dead_point(g, motion, now - last, before, after, beyond, swing);
     else if (fabs(before) < fabs(after) && fabs(before) <= fabs(earlier) && before * earlier > 0.0)
       note_start(g, g->sample);
-    *is_closed = km_arc_motion_closed(motion) || has_returned(g, now, now - last);
     earlier = before;
     before = after;
     last = now;

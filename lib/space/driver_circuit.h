@@ -1,6 +1,8 @@
 /* Motion of a driver on the circuit of a configuration (docs/theory.md 4.20).
  *
- *   dq_d/ds = 0   dead points: roots of the driver's rate along the arc length s, with all coordinates free */
+ *   dq_d/ds = 0   dead points: roots of the driver's rate along the arc length s, with all coordinates free
+ *   t·Δq = 0      return of a motion with spinning rods: Δq from the start without spins of rods, t the first such
+ *                 step; closed if |Δq| is 1e-6 at most there */
 #ifndef KM_SPACE_DRIVER_CIRCUIT_H
 #define KM_SPACE_DRIVER_CIRCUIT_H
 
@@ -19,6 +21,7 @@ typedef struct km_driver_circuit {
   double *rates;        /* [coordinate] workspace */
   double *place;        /* [saved size] the configuration at the start */
   double *sample, *now; /* [saved size] workspace */
+  double *first_step;   /* [columns] from the start, without spins */
   double *starts;       /* [start_count × saved size] dead points, and configurations where the driver is slowest */
   int start_count;
 } km_driver_circuit;

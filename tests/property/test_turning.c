@@ -4,6 +4,7 @@
 #include "base/random.h"
 #include "kmech/space.h"
 #include "model/model.h"
+#include "space/driver_circuit.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -180,6 +181,53 @@ static void rod_reaches_the_rocker(void **state) {
   km_free(json);
 }
 
+/* Swing of the crank A on the state's circuit. */
+static km_driver_swing swing_of(const fixture *f) {
+  km_arena arena = {0};
+  km_driver_surface surface = {.m = f->mechanism, .s = f->state, .frame = -1};
+  km_driver_circuit circuit;
+  km_driver_swing swing;
+  km_error error = {0};
+  if (km_driver_circuit_create(&surface, fixture_coordinate(f, "A"), &arena, &circuit, &error) ||
+      km_driver_surface_begin(&surface, &arena, &error) || km_driver_circuit_follow(&circuit, &swing, &error))
+    fail_msg("%s", error.text);
+  km_arena_free(&arena);
+  return swing;
+}
+
+/* The swing of a crank beside a spinning rod is the same from every configuration of the circuit, also from those next
+ * to a dead point, and to both of its ends. */
+static void a_swing_is_that_of_its_circuit(void **state) {
+  (void)state;
+  enum { STARTS = 60 };
+  const char *const radius[] = {"[0, 3, 0]", "[0, 7, 0]"};
+  char *json = read_model_text("rssr");
+  for (int i = 0; i < 2; ++i) {
+    char *longer = edited(json, "\"B\"", "[0, 1, 0]", radius[i]);
+    fixture f = fixture_read(longer);
+    int A = fixture_coordinate(&f, "A");
+    double degree = M_PI / 180.0, own[8];
+    const km_driver_swing expected = swing_of(&f);
+    assert_int_equal(km_state_coordinates(f.mechanism, f.state, own, NULL), KM_OK);
+    assert_false(expected.turns);
+    assert_int_equal(expected.dead_points, 2);
+    assert_true(expected.high > expected.low);
+    for (int k = 1; k < STARTS; ++k) {
+      double near = pow(10.0, -0.1 * k), share = k % 2 ? near : 1.0 - near;
+      const km_hold start = {A, (expected.low + share * (expected.high - expected.low)) / degree};
+      assert_int_equal(km_state_set_coordinates(f.mechanism, f.state, own, NULL), KM_OK);
+      assert_int_equal(km_state_move_to(f.mechanism, f.state, &start, 1, NULL), KM_OK);
+      km_driver_swing swing = swing_of(&f);
+      assert_int_equal(swing.dead_points, 2);
+      assert_near(swing.low, expected.low, 1e-8);
+      assert_near(swing.high, expected.high, 1e-8);
+    }
+    fixture_close(&f);
+    km_free(longer);
+  }
+  km_free(json);
+}
+
 static bool stop_after(void *context, double done) {
   int *left = context;
   (void)done;
@@ -250,6 +298,7 @@ static void refusals(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(four_bars_turn_as_grashof_says),
                                      cmocka_unit_test(rod_reaches_the_rocker),
+                                     cmocka_unit_test(a_swing_is_that_of_its_circuit),
                                      cmocka_unit_test(a_stopped_search_keeps_its_curves), cmocka_unit_test(refusals)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

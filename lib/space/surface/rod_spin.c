@@ -4,6 +4,9 @@
 #include "kinematics/body_poses.h"
 #include "model/joint_type.h"
 
+enum { MOST_TURNS = 30 };
+static const double same_angle = 1e-13; /* radians */
+
 static int body_at(const km_model *model, int joint, int end) {
   return model->frames[model->joints[joint].frame[end]].body;
 }
@@ -82,14 +85,26 @@ double km_rod_spin_angle(const km_rod_spin *r, const km_state *s, km_vec3 *gradi
   return atan2(km_vec3_dot(m, turned(r, r->b, d)), km_vec3_dot(m, turned(r, r->a, d)));
 }
 
-void km_rod_spin_reset(const km_rod_spin *r, const km_mechanism *m, km_state *s) {
-  km_vec3 gradient;
-  km_poses_compute(m, s);
+/* Turns the rod about its axis by an angle. */
+static void spin(const km_rod_spin *r, const km_mechanism *m, km_state *s, double angle) {
   km_vec3 axis = find_axis(r, m, s);
-  double angle = -km_rod_spin_angle(r, s, &gradient);
   for (int end = 0; end < 2; ++end) {
     int ball = m->ball_of[m->model->joints[r->joint[end]].first_coordinate];
     km_vec3 turn = in_parent_frame(m, s, r->joint[end], km_vec3_scale(r->sense[end] * angle, axis));
     km_state_rotate_ball(m, s, ball, turn);
+  }
+}
+
+void km_rod_spin_reset(const km_rod_spin *r, const km_mechanism *m, km_state *s) {
+  km_vec3 gradient;
+  km_poses_compute(m, s);
+  double angle = -km_rod_spin_angle(r, s, &gradient);
+  spin(r, m, s, angle);
+  for (int i = 0; i < MOST_TURNS && fabs(angle) > same_angle;
+       ++i) { /* d isn't the axis of a rod whose length has changed */
+    km_poses_compute(m, s);
+    angle = -km_rod_spin_angle(r, s, &gradient);
+    if (fabs(angle) > same_angle)
+      spin(r, m, s, angle);
   }
 }
