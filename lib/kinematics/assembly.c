@@ -206,7 +206,11 @@ static tolerance_trial try_tolerance(const km_mechanism *m, int index, double to
   for (int c = 0; holds && c < m->coordinate_count; ++c)
     if (m->held[c])
       holds[hold_count++] = (km_hold){c, m->start[c] / km_model_coordinate_factor(m->model, c)};
-  km_compiling options = {holds, hold_count, tolerance, m->length, m->length_source};
+  km_compiling options = {.holds = holds,
+                          .hold_count = hold_count,
+                          .closure_tolerance = tolerance,
+                          .length = m->length,
+                          .length_source = m->length_source};
   if (holds && saved && !km_mechanism_compile_as(m->model, &options, &other, NULL) &&
       !km_state_create(other, &s, NULL)) {
     km_closure evidence;

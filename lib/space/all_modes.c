@@ -27,10 +27,9 @@ typedef struct found_mode {
 } found_mode;
 
 typedef struct modes_search {
-  const km_mechanism *m;
-  const km_state *original;
-  km_state *s;     /* state with the locked coordinates */
-  km_state *first; /* takes the place of an open original; NULL: it closes */
+  km_mechanism *m; /* the given mechanism with loops cut at ball joints, whose rotations are then no unknowns */
+  km_state *original;
+  km_state *s; /* state with the locked coordinates */
   const km_all_modes_def *def;
   int substructure, passive; /* passive: mobility of passive freedoms */
   km_arena arena;
@@ -54,6 +53,21 @@ static const km_substructure *substructure_of(const modes_search *f) {
 }
 
 /* ---- The subject: substructure and locks. */
+
+/* Compiles the model of m with loops cut at ball joints, and copies the state. */
+static km_status cut_at_balls(modes_search *f, const km_mechanism *m, const km_state *s, km_error *error) {
+  const km_compiling options = {m->holds, m->hold_count, m->closure_tolerance, m->length, m->length_source, true};
+  km_status status = km_mechanism_compile_as(m->model, &options, &f->m, error);
+  if (!status)
+    status = km_state_create(f->m, &f->original, error);
+  if (!status)
+    status = km_state_create(f->m, &f->s, error);
+  if (!status) {
+    km_state_copy(f->m, f->original, s);
+    km_state_copy(f->m, f->s, s);
+  }
+  return status;
+}
 
 /* Chooses the substructure of the locked coordinates, else the largest one. */
 static km_status choose_substructure(modes_search *f, km_error *error) {
@@ -96,12 +110,8 @@ static km_status close_from_elsewhere(modes_search *f, km_error *error) {
                    "no assembly mode was found with the joints at these values, from %d random starts", MOST_STARTS);
   if (f->work.failed)
     return km_fail(error, KM_MEMORY, "out of memory for the assembly modes");
-  km_status status = km_state_create(f->m, &f->first, error);
-  if (!status) {
-    km_state_copy(f->m, f->first, f->s);
-    f->original = f->work.original = f->first;
-  }
-  return status;
+  km_state_copy(f->m, f->original, f->s);
+  return KM_OK;
 }
 
 /* Locks the coordinates, all three of a ball joint, and closes the loops. */
@@ -203,7 +213,7 @@ static km_status add_mode(modes_search *f, bool is_first, km_error *error) {
 
 /* Proves a mode by its configuration. */
 static bool prove_mode(modes_search *f, found_mode *mode) {
-  km_complex *x = KM_NEW(km_complex, (size_t)f->closure.length);
+  km_wide *x = KM_NEW(km_wide, (size_t)f->closure.length);
   km_mode_proof proof;
   if (!x)
     return false;
@@ -325,7 +335,7 @@ static km_status write_modes(modes_search *f, km_all_modes *out, km_error *error
 }
 
 /* Follows the solutions over the complex numbers, and those found to the closed loops. */
-static km_status follow_solutions(modes_search *f, const km_complex *centre, uint64_t *random, km_fibre_search *search,
+static km_status follow_solutions(modes_search *f, const km_wide *centre, uint64_t *random, km_fibre_search *search,
                                   km_error *error) {
   int limit = f->def->max_solutions > 0 ? f->def->max_solutions : KM_DEFAULT_MODE_SOLUTIONS;
   km_progress_stage_next(&f->stage, share_of_graph);
@@ -343,7 +353,7 @@ static km_status search_modes(modes_search *f, km_all_modes *out, km_error *erro
   bool is_first_found = false;
   km_fibre_search search = {0};
   km_status status = compile_system(f, &random, error);
-  km_complex *centre = status ? NULL : KM_ARENA_NEW(&f->arena, km_complex, (size_t)f->closure.length);
+  km_wide *centre = status ? NULL : KM_ARENA_NEW(&f->arena, km_wide, (size_t)f->closure.length);
   if (!status && !centre)
     status = km_fail(error, KM_MEMORY, "out of memory for the assembly modes");
   if (!status) {
@@ -367,26 +377,27 @@ km_status km_all_modes_find(const km_mechanism *m, const km_state *s, const km_a
   if (!out)
     return km_check_given(false, "place for the result", error);
   *out = (km_all_modes){.trace_difference = nan("")};
-  modes_search f = {.m = m, .original = s, .def = def, .stage = {.progress = progress, .context = context}};
+  modes_search f = {.def = def, .stage = {.progress = progress, .context = context}};
   km_status status = km_check_state(m, s, error);
   if (!status)
     status = km_check_given(def != NULL, "definition of the search", error);
   if (!status)
     status = km_check_list(def->locked, def->locked_count, "locked coordinates", error);
   if (!status)
-    status = choose_substructure(&f, error);
+    status = cut_at_balls(&f, m, s, error);
   if (!status)
-    status = km_state_create(m, &f.s, error);
+    status = choose_substructure(&f, error);
   if (!status) {
-    km_state_copy(m, f.s, s);
-    f.work = (km_mode_workspace){.m = m, .s = f.s, .original = s, .substructure = f.substructure, .random = def->seed};
+    f.work = (km_mode_workspace){
+        .m = f.m, .s = f.s, .original = f.original, .substructure = f.substructure, .random = def->seed};
     status = lock_and_close(&f, error);
   }
   if (!status)
     status = search_modes(&f, out, error);
   km_arena_free(&f.arena);
   km_state_free(f.s);
-  km_state_free(f.first);
+  km_state_free(f.original);
+  km_mechanism_free(f.m);
   return status;
 }
 

@@ -17,7 +17,7 @@ typedef struct loop_size {
 } loop_size;
 
 static loop_size size_of_loop(const km_complex_closure *c, const km_program *program, const km_loop *loop,
-                              const km_complex *x) {
+                              const km_wide *x) {
   loop_size size = {0.0, 1.0};
   for (int e = 0; e < loop->entry_count; ++e) {
     int i = program->step_start + c->m->entries[loop->entry_start + e].step;
@@ -27,7 +27,7 @@ static loop_size size_of_loop(const km_complex_closure *c, const km_program *pro
     int coordinate = planar ? planar->coordinate : spatial->coordinate;
     size.columns += planar ? 1.0 : km_primitive_freedom(spatial->primitive);
     size.reach += planar ? hypot(planar->x, planar->y) : km_vec3_norm(spatial->before.p);
-    size.reach += is_slide ? cabs(x[c->start_of[km_complex_column(c, coordinate)]]) : 0.0;
+    size.reach += is_slide ? (double)cabsl(x[c->start_of[km_complex_column(c, coordinate)]]) : 0.0;
   }
   for (int side = 0; side < 2; ++side)
     size.reach += program->planar ? hypot(loop->planar_closing_point[side][0], loop->planar_closing_point[side][1])
@@ -39,7 +39,7 @@ static loop_size size_of_loop(const km_complex_closure *c, const km_program *pro
 }
 
 /* K, and the rounding error of an entry of F or J. */
-static double second_derivative_bound(const km_complex_closure *c, const km_complex *x, double *rounding) {
+static double second_derivative_bound(const km_complex_closure *c, const km_wide *x, double *rounding) {
   double sum = 0.0, largest = 0.0;
   for (int i = 0; i < c->sub->program_count; ++i) {
     const km_program *program = &c->m->programs[c->sub->program_start + i];
@@ -79,7 +79,7 @@ static void inverse_norms(const km_complex_closure *c, const km_complex *J, cons
   *defect = sqrt(*defect);
 }
 
-bool km_mode_prove(const km_complex_closure *c, const km_complex *x, km_mode_proof *out) {
+bool km_mode_prove(const km_complex_closure *c, const km_wide *x, km_mode_proof *out) {
   km_arena arena = {0};
   size_t n = (size_t)c->size;
   km_complex *J = KM_ARENA_NEW(&arena, km_complex, n * n), *LU = KM_ARENA_NEW(&arena, km_complex, n * n);

@@ -21,6 +21,6 @@ typedef struct km_mode_proof {
 } km_mode_proof;
 
 /* Proves the configuration x, real and closed to rounding. False when out of memory. O(n³). */
-bool km_mode_prove(const km_complex_closure *c, const km_complex *x, km_mode_proof *out);
+bool km_mode_prove(const km_complex_closure *c, const km_wide *x, km_mode_proof *out);
 
 #endif

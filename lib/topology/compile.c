@@ -6,11 +6,17 @@
 
 #include <string.h>
 
+static bool is_ball_joint(const km_model *model, int joint) {
+  const km_joint_kind *kind = km_joint_kind_of(model->joints[joint].type);
+  return kind->motion_count == 1 && kind->motions[0].primitive == KM_BALL;
+}
+
 /* Builds the graph of bodies, joints and couplings, and its topology. */
-static km_status build_topology(km_mechanism *m, km_error *error) {
+static km_status build_topology(km_mechanism *m, bool cuts_balls, km_error *error) {
   const km_model *model = m->model;
   km_arena scratch = {0};
   km_edge *edges = KM_ARENA_NEW(&scratch, km_edge, (size_t)model->joint_count);
+  bool *is_cut = KM_ARENA_NEW(&scratch, bool, (size_t)model->joint_count);
   km_coupled_joints *coupled = KM_ARENA_NEW(&scratch, km_coupled_joints, (size_t)model->coupling_count);
   size_t terms = 0;
   for (int i = 0; i < model->coupling_count; ++i)
@@ -20,15 +26,17 @@ static km_status build_topology(km_mechanism *m, km_error *error) {
     km_arena_free(&scratch);
     return km_fail(error, KM_MEMORY, "out of memory while compiling the mechanism");
   }
-  for (int j = 0; j < model->joint_count; ++j)
+  for (int j = 0; j < model->joint_count; ++j) {
     edges[j] = (km_edge){model->frames[model->joints[j].frame[0]].body, model->frames[model->joints[j].frame[1]].body};
+    is_cut[j] = cuts_balls && is_ball_joint(model, j);
+  }
   for (int i = 0; i < model->coupling_count; ++i) {
     const km_model_coupling *coupling = &model->couplings[i];
     coupled[i] = (km_coupled_joints){coupled_joint, coupling->count};
     for (int k = 0; k < coupling->count; ++k)
       *coupled_joint++ = model->coordinates[coupling->coordinates[k]].joint;
   }
-  km_graph graph = {model->body_count, model->joint_count, model->coupling_count, edges, coupled};
+  km_graph graph = {model->body_count, model->joint_count, model->coupling_count, edges, is_cut, coupled};
   km_status status = km_topology_build(&graph, &m->arena, &m->topology, error);
   km_arena_free(&scratch);
   return status;
@@ -397,7 +405,7 @@ void km_compile_values(km_mechanism *m, const km_compiling *options, km_compile_
 
 /* Builds the topology, then compiles numbers and Jacobian patterns. */
 static km_status compile_mechanism(km_mechanism *m, const km_compiling *options, km_error *error) {
-  km_status status = build_topology(m, error);
+  km_status status = build_topology(m, options->cuts_balls, error);
   km_compile_workspace workspace;
   if (status)
     return status;

@@ -186,6 +186,7 @@ typedef struct km_compiling {
   double closure_tolerance;
   double length; /* characteristic length */
   km_length_source length_source;
+  bool cuts_balls; /* loops are cut at ball joints where they can be, not where the breadth-first tree ends */
 } km_compiling;
 
 /* Compiles a model without assembly: if neither the options nor the model have a length, the characteristic length is

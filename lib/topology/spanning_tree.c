@@ -20,8 +20,34 @@ static void build_incidence(const km_graph *g, km_incidence *incidence) {
   incidence->start[g->body_count] = 2 * g->joint_count;
 }
 
-/* Breadth-first spanning tree from the inertial frame. */
-static void build_tree(const km_graph *g, const km_incidence *incidence, km_topology *t) {
+/* Union-find. */
+static int find_root(int *set, int i) {
+  while (set[i] != i)
+    i = set[i] = set[set[i]];
+  return i;
+}
+
+/* Unites the classes of a and b; the smallest number represents the class. False if they were one. */
+static bool unite_sets(int *set, int a, int b) {
+  a = find_root(set, a);
+  b = find_root(set, b);
+  set[a > b ? a : b] = a < b ? a : b;
+  return a != b;
+}
+
+/* Marks the joints that a tree may use: those that aren't cut, and of those to cut the ones without which bodies are
+ * separate (J. B. Kruskal 1956, with two weights). set: [bodies] workspace. */
+static void choose_usable_joints(const km_graph *g, int *set, bool *is_usable) {
+  for (int b = 0; b < g->body_count; ++b)
+    set[b] = b;
+  for (int pass = 0; pass < 2; ++pass)
+    for (int j = 0; j < g->joint_count; ++j)
+      if ((g->is_cut && g->is_cut[j]) == pass)
+        is_usable[j] = unite_sets(set, g->edges[j].tail, g->edges[j].head) || pass == 0;
+}
+
+/* Breadth-first spanning tree of usable joints from the inertial frame. */
+static void build_tree(const km_graph *g, const km_incidence *incidence, const bool *is_usable, km_topology *t) {
   for (int b = 0; b < g->body_count; ++b)
     t->parent[b] = t->arc[b] = t->level[b] = -1;
   int tail = 1;
@@ -33,7 +59,7 @@ static void build_tree(const km_graph *g, const km_incidence *incidence, km_topo
       int joint = incidence->item[i];
       bool forward = g->edges[joint].tail == body;
       int next = forward ? g->edges[joint].head : g->edges[joint].tail;
-      if (t->level[next] >= 0)
+      if (t->level[next] >= 0 || !is_usable[joint])
         continue;
       t->level[next] = t->level[body] + 1;
       t->parent[next] = body;
@@ -95,21 +121,8 @@ static void list_members(const km_graph *g, km_topology *t) {
   t->member_start[t->loop_count] = used;
 }
 
-/* Union-find over joints. Loops that share a joint are one substructure: the classes are the biconnected components,
- * since these are the connected components of the fundamental cycles (matroid theory). */
-static int find_root(int *set, int joint) {
-  while (set[joint] != joint)
-    joint = set[joint] = set[set[joint]];
-  return joint;
-}
-
-static void unite_sets(int *set, int a, int b) {
-  a = find_root(set, a);
-  b = find_root(set, b);
-  set[a > b ? a : b] = a < b ? a : b; /* the smallest joint represents the class */
-}
-
-/* Unites the joints of each loop and of each coupling. */
+/* Unites the joints of each loop and of each coupling. Loops that share a joint are one substructure: the classes are
+ * the biconnected components, since these are the connected components of the fundamental cycles (matroid theory). */
 static void unite_joints(const km_graph *g, const km_topology *t, int *set, bool *is_in_substructure) {
   for (int l = 0; l < t->loop_count; ++l) {
     for (int i = t->member_start[l]; i < t->member_start[l + 1]; ++i) {
@@ -208,11 +221,13 @@ static bool build(const km_graph *g, km_arena *arena, km_arena *scratch, km_topo
   int *set = KM_ARENA_NEW(scratch, int, (size_t)g->joint_count);
   int *class_of = KM_ARENA_NEW(scratch, int, (size_t)g->body_count);
   bool *is_in_substructure = KM_ARENA_NEW(scratch, bool, (size_t)g->joint_count);
+  bool *is_usable = KM_ARENA_NEW(scratch, bool, (size_t)g->joint_count);
   if (scratch->failed || !allocate_arrays(g, arena, t))
     return false;
   int members;
   build_incidence(g, &incidence);
-  build_tree(g, &incidence, t);
+  choose_usable_joints(g, class_of, is_usable);
+  build_tree(g, &incidence, is_usable, t);
   find_chords(g, t, &members);
   t->member = KM_ARENA_NEW(arena, km_member, (size_t)members);
   if (arena->failed)

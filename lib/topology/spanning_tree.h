@@ -20,6 +20,7 @@ typedef struct km_coupled_joints {
 typedef struct km_graph {
   int body_count, joint_count, coupled_count;
   const km_edge *edges;             /* [joint_count]; body 0 is the inertial frame, to which every body is connected */
+  const bool *is_cut;               /* [joint_count] joints at which loops shall be cut; NULL: none */
   const km_coupled_joints *coupled; /* [tie_count] */
 } km_graph;
 
@@ -60,9 +61,10 @@ typedef struct km_topology {
 } km_topology;
 
 /* Builds the breadth-first spanning tree (ties in file order: widest tree, shortest loops), chords, loops and
- * substructures, numbered by their first joint in file order. A loop is its chord with the tree's path between the
- * chord's ends; in large substructures a shorter cycle through its chord if there is one (topology/short_loops.h). Time
- * and memory are linear in the graph plus the lengths of the loops. KM_MEMORY only. */
+ * substructures, numbered by their first joint in file order. The tree has as few joints with is_cut as possible. A
+ * loop is its chord with the tree's path between the chord's ends; in large substructures a shorter cycle through its
+ * chord if there is one (topology/short_loops.h). Time and memory are linear in the graph plus the loops' lengths.
+ * KM_MEMORY only. */
 km_status km_topology_build(const km_graph *graph, km_arena *arena, km_topology *out, km_error *error);
 
 #endif

@@ -12,9 +12,10 @@ enum { MOST_BODIES = 9, MOST_JOINTS = 16 };
 typedef struct graph {
   int bodies, joints;
   km_edge edges[MOST_JOINTS];
+  bool is_cut[MOST_JOINTS];
 } graph;
 
-/* A random connected graph; parallel edges are allowed. */
+/* A random connected graph; parallel edges are allowed. A random share of its joints is to be cut. */
 static graph random_graph(randomness *r) {
   graph g = {.bodies = 2 + below(r, MOST_BODIES - 1)};
   for (int b = 1; b < g.bodies; ++b)
@@ -32,6 +33,9 @@ static graph random_graph(randomness *r) {
     if (below(r, 2))
       g.edges[i] = (km_edge){g.edges[i].head, g.edges[i].tail};
   }
+  int share = below(r, 3);
+  for (int i = 0; i < g.joints; ++i)
+    g.is_cut[i] = below(r, 3) < share;
   return g;
 }
 
@@ -85,10 +89,26 @@ static bool share_a_cycle(const graph *g, int a, int b) {
 }
 
 static km_topology build(const graph *g, const km_coupled_joints *ties, int tie_count, km_arena *arena) {
-  km_graph graph_of = {g->bodies, g->joints, tie_count, g->edges, ties};
+  km_graph graph_of = {g->bodies, g->joints, tie_count, g->edges, g->is_cut, ties};
   km_topology t;
   assert_int_equal(km_topology_build(&graph_of, arena, &t, NULL), KM_OK);
   return t;
+}
+
+/* The tree has as few joints to cut as possible: one less than the parts into which their removal separates bodies. */
+static void check_cuts(const graph *g, const km_topology *t) {
+  unsigned cut = 0;
+  int parts = 0, used = 0;
+  for (int j = 0; j < g->joints; ++j)
+    cut |= (unsigned)g->is_cut[j] << j;
+  for (int b = 0; b < g->bodies; ++b) {
+    bool is_first = true;
+    for (int other = 0; other < b; ++other)
+      is_first = is_first && !connected_without(g, other, b, -1, cut);
+    parts += is_first;
+    used += b > 0 && g->is_cut[t->arc[b]];
+  }
+  assert_int_equal(used, parts - 1);
 }
 
 static void check_tree(const graph *g, const km_topology *t) {
@@ -103,7 +123,9 @@ static void check_tree(const graph *g, const km_topology *t) {
     assert_int_equal(t->is_reversed[t->arc[body]] ? arc->head : arc->tail, t->parent[body]);
   }
   for (int j = 0; j < g->joints; ++j) /* breadth first: no joint skips a level */
-    assert_in_range(t->level[g->edges[j].tail] - t->level[g->edges[j].head] + 1, 0, 2);
+    if (!g->is_cut[j])
+      assert_in_range(t->level[g->edges[j].tail] - t->level[g->edges[j].head] + 1, 0, 2);
+  check_cuts(g, t);
 }
 
 /* Each loop's members form a cycle: every body is touched an even number of times. */
@@ -157,7 +179,7 @@ static void random_graphs_agree_with_the_definition(void **state) {
 /* One loop that ties two earlier ones together: Algorithm 4's greedy growth would miss it. */
 static void a_late_loop_joins_two_substructures(void **state) {
   (void)state;
-  graph g = {5, 7, {{0, 1}, {0, 2}, {1, 2}, {0, 3}, {0, 4}, {3, 4}, {2, 3}}};
+  graph g = {5, 7, {{0, 1}, {0, 2}, {1, 2}, {0, 3}, {0, 4}, {3, 4}, {2, 3}}, {0}};
   km_arena arena = {0};
   km_topology t = build(&g, NULL, 0, &arena);
   assert_int_equal(t.substructure_count, 1);
@@ -166,7 +188,7 @@ static void a_late_loop_joins_two_substructures(void **state) {
 
 static void couplings_join(void **state) {
   (void)state;
-  graph g = {4, 4, {{0, 1}, {0, 2}, {0, 3}, {2, 3}}};
+  graph g = {4, 4, {{0, 1}, {0, 2}, {0, 3}, {2, 3}}, {0}};
   const int geared[2] = {0, 3};
   const km_coupled_joints tie = {geared, 2};
   km_arena arena = {0};

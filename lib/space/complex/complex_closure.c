@@ -7,12 +7,12 @@
 
 /* ---- Configurations. */
 
-void km_complex_from_state(const km_complex_closure *c, const km_state *s, km_complex *x) {
+void km_complex_from_state(const km_complex_closure *c, const km_state *s, km_wide *x) {
   for (int k = 0; k < c->sub->columns; ++k) {
     int coordinate = c->m->column_coordinate[c->sub->column_start + k];
     if (km_complex_begins_ball(c, k)) {
       const km_quaternion *Q = &s->ball[c->m->ball_of[coordinate]];
-      const km_complex numbers[4] = {Q->w, Q->x, Q->y, Q->z};
+      const km_wide numbers[4] = {Q->w, Q->x, Q->y, Q->z};
       memcpy(&x[c->start_of[k]], numbers, sizeof numbers);
     } else if (!km_complex_is_ball(c, k)) {
       x[c->start_of[k]] = s->q[coordinate] / c->m->unit[coordinate];
@@ -21,7 +21,7 @@ void km_complex_from_state(const km_complex_closure *c, const km_state *s, km_co
 }
 
 /* Sets the joints that close loops. */
-static void set_closing_joints(const km_complex_closure *c, km_complex *x) {
+static void set_closing_joints(const km_complex_closure *c, km_wide *x) {
   for (int i = 0; i < c->sub->program_count; ++i) {
     const km_program *program = &c->m->programs[c->sub->program_start + i];
     for (int j = 0; j < program->loop_count; ++j) {
@@ -33,42 +33,47 @@ static void set_closing_joints(const km_complex_closure *c, km_complex *x) {
   }
 }
 
-void km_complex_to_state(const km_complex_closure *c, km_complex *x, km_state *s) {
+static double real_part(km_wide z) {
+  return (double)creall(z);
+}
+
+void km_complex_to_state(const km_complex_closure *c, km_wide *x, km_state *s) {
   set_closing_joints(c, x);
   for (int k = 0; k < c->sub->columns; ++k) {
     int coordinate = c->m->column_coordinate[c->sub->column_start + k];
-    const km_complex *number = &x[c->start_of[k]];
+    const km_wide *number = &x[c->start_of[k]];
     if (s->locked[coordinate])
       continue;
     if (km_complex_begins_ball(c, k))
-      km_state_set_ball(c->m, s, c->m->ball_of[coordinate],
-                        (km_quaternion){creal(number[0]), creal(number[1]), creal(number[2]), creal(number[3])});
+      km_state_set_ball(
+          c->m, s, c->m->ball_of[coordinate],
+          (km_quaternion){real_part(number[0]), real_part(number[1]), real_part(number[2]), real_part(number[3])});
     else if (!km_complex_is_ball(c, k))
       s->q[coordinate] =
           c->m->unit[coordinate] *
-          (km_coordinate_turns(c->m, coordinate) ? remainder(creal(*number), 2.0 * M_PI) : creal(*number));
+          (km_coordinate_turns(c->m, coordinate) ? remainder(real_part(*number), 2.0 * M_PI) : real_part(*number));
   }
 }
 
-void km_complex_normalise(const km_complex_closure *c, km_complex *x) {
+void km_complex_normalise(const km_complex_closure *c, km_wide *x) {
   for (int k = 0; k < c->sub->columns; ++k)
     if (km_complex_begins_ball(c, k)) {
-      km_complex *Q = &x[c->start_of[k]];
-      km_complex share = 1.0 / csqrt(Q[0] * Q[0] + Q[1] * Q[1] + Q[2] * Q[2] + Q[3] * Q[3]);
+      km_wide *Q = &x[c->start_of[k]];
+      km_wide share = 1.0L / csqrtl(Q[0] * Q[0] + Q[1] * Q[1] + Q[2] * Q[2] + Q[3] * Q[3]);
       for (int i = 0; i < 4; ++i)
         Q[i] *= share;
     }
 }
 
 /* Q̇ = ½ ω Q of the ball at a configuration's numbers Q, ω along the parent frame's axes. */
-static void quaternion_rate(const km_complex *Q, const km_complex *w, km_complex *out) {
-  km_complex r[4] = {-w[0] * Q[1] - w[1] * Q[2] - w[2] * Q[3], w[0] * Q[0] + w[1] * Q[3] - w[2] * Q[2],
-                     w[1] * Q[0] + w[2] * Q[1] - w[0] * Q[3], w[2] * Q[0] + w[0] * Q[2] - w[1] * Q[1]};
+static void quaternion_rate(const km_wide *Q, const km_complex *w, km_complex *out) {
+  km_wide r[4] = {-w[0] * Q[1] - w[1] * Q[2] - w[2] * Q[3], w[0] * Q[0] + w[1] * Q[3] - w[2] * Q[2],
+                  w[1] * Q[0] + w[2] * Q[1] - w[0] * Q[3], w[2] * Q[0] + w[0] * Q[2] - w[1] * Q[1]};
   for (int i = 0; i < 4; ++i)
-    out[i] = 0.5 * r[i];
+    out[i] = (km_complex)(0.5L * r[i]);
 }
 
-void km_complex_rate(const km_complex_closure *c, const km_complex *x, const km_complex *rates, km_complex *out) {
+void km_complex_rate(const km_complex_closure *c, const km_wide *x, const km_complex *rates, km_complex *out) {
   for (int k = 0; k < c->sub->columns; ++k) {
     km_complex w[3] = {0.0, 0.0, 0.0};
     int count = km_complex_begins_ball(c, k) ? 3 : 1;
@@ -81,7 +86,7 @@ void km_complex_rate(const km_complex_closure *c, const km_complex *x, const km_
   }
 }
 
-void km_complex_move(const km_complex_closure *c, const km_complex *step, km_complex *x) {
+void km_complex_move(const km_complex_closure *c, const km_complex *step, km_wide *x) {
   for (int k = 0; k < c->sub->columns; ++k) {
     km_complex w[3] = {0.0, 0.0, 0.0}, rate[4];
     int count = km_complex_begins_ball(c, k) ? 3 : 1;
@@ -98,11 +103,11 @@ void km_complex_move(const km_complex_closure *c, const km_complex *step, km_com
   km_complex_normalise(c, x);
 }
 
-double km_complex_step_size(const km_complex_closure *c, const km_complex *step, const km_complex *x) {
+double km_complex_step_size(const km_complex_closure *c, const km_complex *step, const km_wide *x) {
   double largest = 0.0;
   for (int k = 0; k < c->sub->columns; ++k) {
     km_complex w[3] = {0.0, 0.0, 0.0}, rate[4];
-    const km_complex *own = &x[c->start_of[k]];
+    const km_wide *own = &x[c->start_of[k]];
     int count = km_complex_begins_ball(c, k) ? 3 : km_complex_is_ball(c, k) ? 0 : 1;
     for (int i = 0; i < count; ++i)
       w[i] = c->unknown_of[k + i] >= 0 ? step[c->unknown_of[k + i]] : 0.0;
@@ -112,7 +117,7 @@ double km_complex_step_size(const km_complex_closure *c, const km_complex *step,
       quaternion_rate(own, w, rate);
       for (int i = 0; i < 4; ++i) {
         change += creal(rate[i] * conj(rate[i]));
-        length += creal(own[i] * conj(own[i]));
+        length += real_part(own[i] * conjl(own[i]));
       }
       size = 2.0 * sqrt(change / length);
     }
@@ -121,8 +126,8 @@ double km_complex_step_size(const km_complex_closure *c, const km_complex *step,
   return largest;
 }
 
-void km_complex_randomise(const km_complex_closure *c, const km_complex *centre, double distance, uint64_t *random,
-                          km_complex *x) {
+void km_complex_randomise(const km_complex_closure *c, const km_wide *centre, double distance, uint64_t *random,
+                          km_wide *x) {
   memcpy(x, centre, (size_t)c->length * sizeof *x);
   for (int k = 0; k < c->sub->columns; ++k) {
     km_complex w[3], rate[4];
@@ -149,7 +154,7 @@ static km_program_weight weight_of_program(const km_complex_closure *c, int func
   return (km_program_weight){all + step, all + c->end_start + 2 * (program->loop_start - c->sub->loop_start)};
 }
 
-void km_complex_evaluate(const km_complex_closure *c, const km_complex *x, km_complex_values *out) {
+void km_complex_evaluate(const km_complex_closure *c, const km_wide *x, km_complex_values *out) {
   bool has_functional = out->functional >= 0;
   int rows = 0, columns = 0;
   for (int k = 0; k < c->sub->columns; ++k)
@@ -173,7 +178,7 @@ void km_complex_evaluate(const km_complex_closure *c, const km_complex *x, km_co
   }
 }
 
-void km_complex_fingerprint(const km_complex_closure *c, const km_complex *x, km_complex *y) {
+void km_complex_fingerprint(const km_complex_closure *c, const km_wide *x, km_complex *y) {
   for (int k = 0; k < KM_FINGERPRINT; ++k) {
     km_complex_values values = {.functional = k};
     km_complex_evaluate(c, x, &values);
@@ -181,7 +186,7 @@ void km_complex_fingerprint(const km_complex_closure *c, const km_complex *x, km
   }
 }
 
-km_complex_extent km_complex_pose_extent(const km_complex_closure *c, const km_complex *x) {
+km_complex_extent km_complex_pose_extent(const km_complex_closure *c, const km_wide *x) {
   km_complex_extent extent = {0.0, 0.0};
   for (int i = 0, step = 0; i < c->sub->program_count; ++i) {
     const km_program *program = &c->m->programs[c->sub->program_start + i];
@@ -192,14 +197,13 @@ km_complex_extent km_complex_pose_extent(const km_complex_closure *c, const km_c
   return extent;
 }
 
-km_complex km_complex_trace(const km_complex_closure *c, const km_complex *x) {
+km_complex km_complex_trace(const km_complex_closure *c, const km_wide *x) {
   km_complex_values values = {.functional = KM_TRACE};
   km_complex_evaluate(c, x, &values);
   return values.value;
 }
 
-bool km_complex_is_same_mode(const km_complex_closure *c, const km_complex *x, const km_complex *other,
-                             double tolerance) {
+bool km_complex_is_same_mode(const km_complex_closure *c, const km_wide *x, const km_wide *other, double tolerance) {
   km_complex y[2][KM_FINGERPRINT];
   km_complex_fingerprint(c, x, y[0]);
   km_complex_fingerprint(c, other, y[1]);

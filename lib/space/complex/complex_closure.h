@@ -34,7 +34,8 @@ static inline km_complex km_complex_of(double re, double im) {
 }
 #define KM_I km_complex_of(0.0, 1.0) /* the imaginary unit as a double: C's own is a float */
 
-/* Numbers of the chains of spatial loops: beside a pole rotations have parts of 1e4, whose products cancel. */
+/* Numbers of configurations and of the chains of spatial loops: beside a pole rotations have parts of 1e4, whose
+ * products cancel. */
 typedef long double complex km_wide;
 
 /* re + i im, as km_complex_of. */
@@ -114,41 +115,40 @@ km_status km_complex_closure_create(const km_mechanism *mechanism, km_state *sta
 bool km_complex_has_all_rows(const km_complex_closure *c);
 
 /* Copies the state's coordinates to a configuration x[length]. */
-void km_complex_from_state(const km_complex_closure *c, const km_state *state, km_complex *x);
+void km_complex_from_state(const km_complex_closure *c, const km_state *state, km_wide *x);
 /* Copies the real part of a configuration to a state. Joints that close loops take the rotation that closes them, in x
  * too. */
-void km_complex_to_state(const km_complex_closure *c, km_complex *x, km_state *state);
+void km_complex_to_state(const km_complex_closure *c, km_wide *x, km_state *state);
 /* Writes a random complex configuration beside `centre`: x <- exp(δ) centre with |δ_i| <= distance. */
-void km_complex_randomise(const km_complex_closure *c, const km_complex *centre, double distance, uint64_t *random,
-                          km_complex *x);
+void km_complex_randomise(const km_complex_closure *c, const km_wide *centre, double distance, uint64_t *random,
+                          km_wide *x);
 
 /* Evaluates F, J and a functional at a configuration. O(steps + entries of J). */
-void km_complex_evaluate(const km_complex_closure *c, const km_complex *x, km_complex_values *out);
+void km_complex_evaluate(const km_complex_closure *c, const km_wide *x, km_complex_values *out);
 /* Computes the fingerprint y[KM_FINGERPRINT]: two configurations with the same values have the same bodies' poses. */
-void km_complex_fingerprint(const km_complex_closure *c, const km_complex *x, km_complex *y);
+void km_complex_fingerprint(const km_complex_closure *c, const km_wide *x, km_complex *y);
 /* Size of the parts of the bodies' poses that count: largest part, and largest imaginary part. */
 typedef struct km_complex_extent {
   double largest, imaginary;
 } km_complex_extent;
-km_complex_extent km_complex_pose_extent(const km_complex_closure *c, const km_complex *x);
+km_complex_extent km_complex_pose_extent(const km_complex_closure *c, const km_wide *x);
 /* True if two configurations have the same fingerprint, the poses of the bodies, to a relative tolerance. */
-bool km_complex_is_same_mode(const km_complex_closure *c, const km_complex *x, const km_complex *other,
-                             double tolerance);
+bool km_complex_is_same_mode(const km_complex_closure *c, const km_wide *x, const km_wide *other, double tolerance);
 /* Value of the trace's functional. */
-km_complex km_complex_trace(const km_complex_closure *c, const km_complex *x);
+km_complex km_complex_trace(const km_complex_closure *c, const km_wide *x);
 /* Chooses the trace's functional: a random function of the first slot whose position differs in all `count`
  * configurations, else of the first one whose pose does, else of all slots. The fewer it takes, the fewer points has a
  * section of a curve. */
-void km_complex_choose_trace(km_complex_closure *c, const km_complex *points, int count, uint64_t *random);
+void km_complex_choose_trace(km_complex_closure *c, const km_wide *points, int count, uint64_t *random);
 
 /* Adds a step[n] to a configuration: x <- exp(step) x. */
-void km_complex_move(const km_complex_closure *c, const km_complex *step, km_complex *x);
+void km_complex_move(const km_complex_closure *c, const km_complex *step, km_wide *x);
 /* Size of a step at a configuration: the largest |change| of a hinge or slide, and of a ball joint 2 |Q̇|/|Q|, its
  * angle where Q is real. Angular velocities grow with |Q|² beside a pole, where Q hardly changes. */
-double km_complex_step_size(const km_complex_closure *c, const km_complex *step, const km_complex *x);
+double km_complex_step_size(const km_complex_closure *c, const km_complex *step, const km_wide *x);
 /* Computes the rate of the configuration's numbers, out[length], at the rates[n] of the unknowns. */
-void km_complex_rate(const km_complex_closure *c, const km_complex *x, const km_complex *rates, km_complex *out);
+void km_complex_rate(const km_complex_closure *c, const km_wide *x, const km_complex *rates, km_complex *out);
 /* Normalises the quaternions, Q <- Q / sqrt(Q·Q). */
-void km_complex_normalise(const km_complex_closure *c, km_complex *x);
+void km_complex_normalise(const km_complex_closure *c, km_wide *x);
 
 #endif

@@ -145,7 +145,7 @@ static const double separate = 1e-6;
 enum { LEAST_SEPARATED = 8 }; /* Fewer configurations don't show that a slot's pose separates all. */
 
 /* True if the trace's functional differs at all configurations. */
-static bool is_separating(const km_complex_closure *c, const km_complex *points, int count) {
+static bool is_separating(const km_complex_closure *c, const km_wide *points, int count) {
   for (int i = 0; i < count; ++i) {
     km_complex y = km_complex_trace(c, points + (size_t)i * (size_t)c->length);
     for (int j = 0; j < i; ++j)
@@ -155,7 +155,7 @@ static bool is_separating(const km_complex_closure *c, const km_complex *points,
   return true;
 }
 
-void km_complex_choose_trace(km_complex_closure *c, const km_complex *points, int count, uint64_t *random) {
+void km_complex_choose_trace(km_complex_closure *c, const km_wide *points, int count, uint64_t *random) {
   int steps = c->end_start + 2 * c->sub->loop_count;
   km_slot_weight *trace = c->weight[KM_TRACE];
   const km_slot_weight *all = c->weight[0];

@@ -23,22 +23,22 @@ typedef struct km_program_weight {
 } km_program_weight;
 
 /* Evaluates the loops of a program and adds its part of the functional; weight.slot = NULL: no functional. */
-void km_complex_planar(const km_complex_closure *c, const km_program *program, const km_complex *x,
+void km_complex_planar(const km_complex_closure *c, const km_program *program, const km_wide *x,
                        km_program_weight weight, km_complex_values *out);
-void km_complex_spatial(const km_complex_closure *c, const km_program *program, const km_complex *x,
+void km_complex_spatial(const km_complex_closure *c, const km_program *program, const km_wide *x,
                         km_program_weight weight, km_complex_values *out);
 
 /* Sets the ball joint, or planar hinge, that closes a loop at a configuration x, to the rotation with which the loop's
  * frames agree. The configuration is real but for rounding. */
 void km_complex_close_planar(const km_complex_closure *c, const km_program *program, const km_loop *loop, int step,
-                             km_complex *x);
+                             km_wide *x);
 void km_complex_close_spatial(const km_complex_closure *c, const km_program *program, const km_loop *loop, int step,
-                              km_complex *x);
+                              km_wide *x);
 
 /* Enlarges the extent by the parts of poses whose weights aren't 0. */
-void km_complex_planar_extent(const km_complex_closure *c, const km_program *program, const km_complex *x,
+void km_complex_planar_extent(const km_complex_closure *c, const km_program *program, const km_wide *x,
                               km_program_weight weight, km_complex_extent *extent);
-void km_complex_spatial_extent(const km_complex_closure *c, const km_program *program, const km_complex *x,
+void km_complex_spatial_extent(const km_complex_closure *c, const km_program *program, const km_wide *x,
                                km_program_weight weight, km_complex_extent *extent);
 /* Enlarges the extent by one number. */
 static inline void km_complex_extend(km_complex_extent *extent, km_complex z) {

@@ -8,7 +8,7 @@
 #include "space/complex/complex_loops.h"
 
 /* Poses of the slots and, of each step, the derivatives (Z, W) of a slide or the place (Z, W) of a hinge. */
-static void compute_slots(const km_complex_closure *c, const km_program *program, const km_complex *x,
+static void compute_slots(const km_complex_closure *c, const km_program *program, const km_wide *x,
                           km_isotropic_pose *slot, km_complex (*twist)[6]) {
   const km_planar_step *steps = c->m->planar_steps + program->step_start;
   slot[0] = (km_isotropic_pose){1.0, 1.0, 0.0, 0.0};
@@ -16,7 +16,7 @@ static void compute_slots(const km_complex_closure *c, const km_program *program
     const km_planar_step *step = &steps[i];
     const km_isotropic_pose *from = &slot[step->from];
     km_complex d = km_complex_of(step->x, step->y),
-               value = step->sign * x[c->start_of[km_complex_column(c, step->coordinate)]];
+               value = step->sign * (km_complex)x[c->start_of[km_complex_column(c, step->coordinate)]];
     km_complex Z = from->Z + from->U * d, W = from->W + from->V * conj(d);
     if (step->is_slide) {
       km_complex u = km_complex_of(step->ux, step->uy), dZ = from->U * u, dW = from->V * conj(u);
@@ -123,7 +123,7 @@ static void add_functional(const km_complex_closure *c, const km_program *progra
   }
 }
 
-void km_complex_planar(const km_complex_closure *c, const km_program *program, const km_complex *x,
+void km_complex_planar(const km_complex_closure *c, const km_program *program, const km_wide *x,
                        km_program_weight weight, km_complex_values *out) {
   compute_slots(c, program, x, c->isotropic, c->twist);
   for (int i = 0; i < program->loop_count; ++i)
@@ -134,7 +134,7 @@ void km_complex_planar(const km_complex_closure *c, const km_program *program, c
 
 /* A = U_a V_b exp(i φ_0) of the closed loop is 1: the hinge's angle changes by −arg A, times its sign. */
 void km_complex_close_planar(const km_complex_closure *c, const km_program *program, const km_loop *loop, int i,
-                             km_complex *x) {
+                             km_wide *x) {
   const km_planar_step *step = &c->m->planar_steps[program->step_start + i];
   compute_slots(c, program, x, c->isotropic, c->twist);
   km_complex A = c->isotropic[loop->slot[0]].U * c->isotropic[loop->slot[1]].V *
@@ -143,7 +143,7 @@ void km_complex_close_planar(const km_complex_closure *c, const km_program *prog
 }
 
 /* Cartesian parts of the slots: (Z + W)/2, (Z − W)/(2i), and of the direction U likewise. */
-void km_complex_planar_extent(const km_complex_closure *c, const km_program *program, const km_complex *x,
+void km_complex_planar_extent(const km_complex_closure *c, const km_program *program, const km_wide *x,
                               km_program_weight weight, km_complex_extent *extent) {
   const km_planar_step *steps = c->m->planar_steps + program->step_start;
   compute_slots(c, program, x, c->isotropic, c->twist);

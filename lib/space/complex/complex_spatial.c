@@ -70,7 +70,7 @@ static void turning_twist(double sign, const km_wide *axis, const km_wide *p, km
 }
 
 /* Rotation matrix, by columns, of the quaternion Q / sqrt(Q·Q), or of its conjugate if sign < 0. */
-static void quaternion_rotation(const km_complex *Q, double sign, km_wide R[3][3]) {
+static void quaternion_rotation(const km_wide *Q, double sign, km_wide R[3][3]) {
   km_wide w = Q[0], x = Q[1], y = Q[2], z = Q[3], share = 1.0L / csqrtl(w * w + x * x + y * y + z * z);
   w *= share;
   x *= sign * share;
@@ -83,9 +83,9 @@ static void quaternion_rotation(const km_complex *Q, double sign, km_wide R[3][3
 }
 
 /* Applies a step's motion to the pose of its frame and computes its unit twists. */
-static void apply_motion(const km_complex_closure *c, const km_step *step, const km_complex *x, km_complex_pose *X,
+static void apply_motion(const km_complex_closure *c, const km_step *step, const km_wide *x, km_complex_pose *X,
                          km_complex (*h)[6]) {
-  const km_complex *number = &x[c->start_of[km_complex_column(c, step->coordinate)]];
+  const km_wide *number = &x[c->start_of[km_complex_column(c, step->coordinate)]];
   const km_wide *axis = X->R[step->axis];
   if (step->primitive == KM_PRISMATIC) {
     for (int k = 0; k < 3; ++k) {
@@ -95,8 +95,7 @@ static void apply_motion(const km_complex_closure *c, const km_step *step, const
     }
   } else if (step->primitive == KM_REVOLUTE) {
     turning_twist(step->sign, axis, X->p, h[0]);
-    long double angle = step->sign * (long double)creal(*number),
-                growth = expl(-step->sign * (long double)cimag(*number));
+    long double angle = step->sign * creall(*number), growth = expl(-step->sign * cimagl(*number));
     long double cosine = cosl(angle), sine = sinl(angle), sum = 0.5L * (growth + 1.0L / growth),
                 difference = 0.5L * (growth - 1.0L / growth);
     km_wide C = km_wide_of(sum * cosine, difference * sine), S = km_wide_of(sum * sine, -difference * cosine);
@@ -117,7 +116,7 @@ static void apply_motion(const km_complex_closure *c, const km_step *step, const
   }
 }
 
-static void compute_slots(const km_complex_closure *c, const km_program *program, const km_complex *x) {
+static void compute_slots(const km_complex_closure *c, const km_program *program, const km_wide *x) {
   c->slot[0] = (km_complex_pose){{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {0, 0, 0}};
   for (int i = 0; i < program->step_count; ++i) {
     const km_step *step = &c->m->steps[program->step_start + i];
@@ -131,7 +130,8 @@ static void compute_slots(const km_complex_closure *c, const km_program *program
 static void gibbs_vector(km_wide (*R)[3], const km_complex *P, km_complex g[3]) {
   km_wide G[3][3], T[3][3];
   if (P) {
-    quaternion_rotation(P, 1.0, G);
+    const km_wide wide[4] = {P[0], P[1], P[2], P[3]};
+    quaternion_rotation(wide, 1.0, G);
     for (int j = 0; j < 3; ++j)
       for (int k = 0; k < 3; ++k)
         T[j][k] = R[0][k] * G[0][j] + R[1][k] * G[1][j] + R[2][k] * G[2][j];
@@ -143,66 +143,78 @@ static void gibbs_vector(km_wide (*R)[3], const km_complex *P, km_complex g[3]) 
   g[2] = (km_complex)(share * (R[0][1] - R[1][0]));
 }
 
-/* Displacement E of a loop: its rotation (columns), image of o, Gibbs vector g, and o on side b. */
+/* Displacement E of a loop: its rotation (columns), image of o, Gibbs vector g, and o on side b. A loop that a joint
+ * closes has the moving point where its sides end alone. */
 typedef struct loop_displacement {
   km_complex R[3][3], image[3], g[3], o[3];
 } loop_displacement;
 
-/* Computes E and the errors. */
-static void displace(const km_complex_closure *c, km_complex_loop here, loop_displacement *E, km_complex errors[6]) {
+/* Computes E and the errors of positions of a loop that a joint closes. */
+static void compare_ends(const km_loop *loop, const km_complex_pose *a, const km_complex_pose *b, loop_displacement *E,
+                         km_complex errors[6]) {
+  const double offset[3] = {loop->origin_offset.x, loop->origin_offset.y, loop->origin_offset.z};
+  narrow(a->p, 3, E->image);
+  narrow(b->p, 3, E->o);
+  for (int k = 0; k < 3; ++k)
+    errors[k] = (km_complex)(a->p[k] - b->p[k] - offset[k]);
+}
+
+/* Computes E and the errors of a loop with a fixed point. */
+static void displace(km_complex_loop here, const km_complex_pose *a, const km_complex_pose *b, loop_displacement *E,
+                     km_complex errors[6]) {
   const km_loop *loop = here.loop;
-  km_complex_pose a, b;
-  pose_product(&c->slot[loop->slot[0]], &loop->closing_frame[0], true, &a);
-  pose_product(&c->slot[loop->slot[1]], &loop->closing_frame[1], true, &b);
   const double offset[3] = {loop->origin_offset.x, loop->origin_offset.y, loop->origin_offset.z};
   const double point[3] = {loop->point[0].x, loop->point[0].y, loop->point[0].z};
-  km_wide R[3][3], o[3], from[3], image[3];
+  km_wide R[3][3], from[3], image[3];
   for (int j = 0; j < 3; ++j)
     for (int k = 0; k < 3; ++k) /* R = R_a R_bᵀ */
-      R[j][k] = a.R[0][k] * b.R[0][j] + a.R[1][k] * b.R[1][j] + a.R[2][k] * b.R[2][j];
-  for (int k = 0; k < 3; ++k) {
-    o[k] = here.has_moving_point ? b.p[k] : point[k] - offset[k];
-    from[k] = o[k] - b.p[k];
-  }
+      R[j][k] = a->R[0][k] * b->R[0][j] + a->R[1][k] * b->R[1][j] + a->R[2][k] * b->R[2][j];
+  for (int k = 0; k < 3; ++k)
+    from[k] = point[k] - offset[k] - b->p[k];
   rotate_wide(R, from, image);
   gibbs_vector(R, here.P, E->g);
   for (int k = 0; k < 3; ++k) {
-    image[k] += a.p[k];
-    errors[k] = (km_complex)(image[k] - o[k] - offset[k]);
+    image[k] += a->p[k];
+    errors[k] = (km_complex)(image[k] - point[k]);
     errors[3 + k] = 2.0 * E->g[k];
+    E->o[k] = point[k] - offset[k];
     narrow(R[k], 3, E->R[k]);
   }
   narrow(image, 3, E->image);
-  narrow(o, 3, E->o);
 }
 
-/* Column of J of the unit twist h of a joint on one side. */
+/* Column of J of the unit twist h of a joint on one side; of positions alone if the point moves. */
 static void loop_column(bool has_moving_point, loop_displacement *E, double side, const km_complex *h,
                         km_complex column[6]) {
   km_complex w[3], v[3];
   memcpy(w, h + 3, sizeof w);
   cross(w, side > 0.0 ? E->image : E->o, v);
   for (int k = 0; k < 3; ++k)
-    v[k] = side * (v[k] + h[k]);
+    column[k] = side * (v[k] + h[k]);
+  if (has_moving_point)
+    return;
   if (side < 0.0) {
-    if (!has_moving_point)
-      rotate(E->R, v, v);
+    rotate(E->R, column, column);
     rotate(E->R, w, w);
   }
   cross(w, E->g, column + 3);
   km_complex along = dot(w, E->g);
-  for (int k = 0; k < 3; ++k) {
-    column[k] = v[k];
+  for (int k = 0; k < 3; ++k)
     column[3 + k] = side * (w[k] + column[3 + k] + along * E->g[k]);
-  }
 }
 
 static void evaluate_loop(const km_complex_closure *c, const km_program *program, km_complex_loop here,
                           const km_complex_values *out) {
   const km_loop *loop = here.loop;
   loop_displacement E;
-  km_complex errors[6], column[6];
-  displace(c, here, &E, errors);
+  km_complex errors[6] = {0}, column[6] = {0};
+  km_complex_pose a, b;
+  pose_product(&c->slot[loop->slot[0]], &loop->closing_frame[0], !here.has_moving_point, &a);
+  pose_product(&c->slot[loop->slot[1]], &loop->closing_frame[1], !here.has_moving_point, &b);
+  if (here.has_moving_point)
+    compare_ends(loop, &a, &b, &E, errors);
+  else
+    displace(here, &a, &b, &E, errors);
   for (int r = 0; out->F && r < loop->lambda; ++r)
     if (c->equation_of[loop->row_start + r] >= 0)
       out->F[c->equation_of[loop->row_start + r]] = errors[loop->rows[r]];
@@ -264,7 +276,7 @@ static void add_functional(const km_complex_closure *c, const km_program *progra
   }
 }
 
-void km_complex_spatial(const km_complex_closure *c, const km_program *program, const km_complex *x,
+void km_complex_spatial(const km_complex_closure *c, const km_program *program, const km_wide *x,
                         km_program_weight weight, km_complex_values *out) {
   compute_slots(c, program, x);
   for (int i = 0; i < program->loop_count; ++i)
@@ -279,7 +291,7 @@ static km_vec3 real_part(const km_wide *a) {
 
 /* The ball's rotation T before the closing frame C: R T C = R_b, so T = Rᵀ R_b Cᵀ; a reversed joint has the inverse. */
 void km_complex_close_spatial(const km_complex_closure *c, const km_program *program, const km_loop *loop, int i,
-                              km_complex *x) {
+                              km_wide *x) {
   const km_step *step = &c->m->steps[program->step_start + i];
   km_complex_pose before, b;
   km_rotation T, C = loop->closing_frame[0].R, other, middle;
@@ -295,14 +307,14 @@ void km_complex_close_spatial(const km_complex_closure *c, const km_program *pro
   T = km_rotation_product(&middle, &other);
   T = km_rotation_product(&T, &C);
   km_quaternion Q = km_rotation_quaternion(&T);
-  km_complex *number = &x[c->start_of[km_complex_column(c, step->coordinate)]];
+  km_wide *number = &x[c->start_of[km_complex_column(c, step->coordinate)]];
   number[0] = Q.w;
   number[1] = step->sign * Q.x;
   number[2] = step->sign * Q.y;
   number[3] = step->sign * Q.z;
 }
 
-void km_complex_spatial_extent(const km_complex_closure *c, const km_program *program, const km_complex *x,
+void km_complex_spatial_extent(const km_complex_closure *c, const km_program *program, const km_wide *x,
                                km_program_weight weight, km_complex_extent *extent) {
   compute_slots(c, program, x);
   for (int i = 0; i < 2 * program->loop_count; ++i) {

@@ -86,12 +86,13 @@ static int number_candidates(km_complex_closure *c, const km_state *s, int *rows
 
 /* Work arrays of the choice. */
 typedef struct choice {
-  km_complex *J, *gradient, *reference, *generic;
+  km_complex *J, *gradient;
+  km_wide *reference, *generic; /* configurations */
   int *row, *column;
   int rows, unlocked; /* candidates for equations and unknowns */
 } choice;
 
-static void evaluate_all(const km_complex_closure *c, const choice *w, const km_complex *x) {
+static void evaluate_all(const km_complex_closure *c, const choice *w, const km_wide *x) {
   km_complex_values values = {.J = w->J, .stride = w->unlocked, .functional = -1};
   km_complex_evaluate(c, x, &values);
 }
@@ -237,8 +238,8 @@ static void allocate(km_complex_closure *c, choice *w, km_arena *arena) {
   c->twist = km_arena_alloc(arena, (size_t)(3 * steps), sizeof *c->twist);
   w->J = KM_ARENA_NEW(arena, km_complex, rows * columns);
   w->gradient = KM_ARENA_NEW(arena, km_complex, columns);
-  w->reference = KM_ARENA_NEW(arena, km_complex, 4 * columns);
-  w->generic = KM_ARENA_NEW(arena, km_complex, 4 * columns);
+  w->reference = KM_ARENA_NEW(arena, km_wide, 4 * columns);
+  w->generic = KM_ARENA_NEW(arena, km_wide, 4 * columns);
   w->row = KM_ARENA_NEW(arena, int, most);
   w->column = KM_ARENA_NEW(arena, int, most);
 }

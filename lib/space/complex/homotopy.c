@@ -51,7 +51,7 @@ bool km_homotopy_create(const km_complex_closure *closure, bool has_section, uin
   out->step = KM_ARENA_NEW(arena, km_complex, (size_t)size);
   out->rhs = KM_ARENA_NEW(arena, km_complex, (size_t)size);
   for (int k = 0; k < 3; ++k)
-    out->point[k] = KM_ARENA_NEW(arena, km_complex, (size_t)length);
+    out->point[k] = KM_ARENA_NEW(arena, km_wide, (size_t)length);
   for (int k = 0; k < 2; ++k)
     out->rate[k] = KM_ARENA_NEW(arena, km_complex, (size_t)length);
   out->row = KM_ARENA_NEW(arena, int, (size_t)size);
@@ -117,7 +117,7 @@ void km_homotopy_close(const km_homotopy *h, km_complex *parameters) {
     parameters[h->closure->size + 4 * l] = 1.0;
 }
 
-void km_homotopy_begin(const km_homotopy *h, const km_complex *centre, uint64_t *random, km_complex *x,
+void km_homotopy_begin(const km_homotopy *h, const km_wide *centre, uint64_t *random, km_wide *x,
                        km_complex *parameters) {
   const km_complex_closure *c = h->closure;
   km_homotopy_close(h, parameters);
@@ -149,7 +149,7 @@ static km_complex turn_rate(const km_homotopy *h, int turn, const km_complex *ra
 }
 
 /* Computes H and factors H_x at x and the present parameters; h->F = −H. False: singular. */
-static bool linearise(km_homotopy *h, const km_complex *x, km_complex *section_value) {
+static bool linearise(km_homotopy *h, const km_wide *x, km_complex *section_value) {
   int n = h->closure->size, stride = h->size;
   const km_complex *P = h->parameter, *section = P + h->section_start;
   km_complex_values values = {.turn = h->turn,
@@ -158,7 +158,7 @@ static bool linearise(km_homotopy *h, const km_complex *x, km_complex *section_v
                               .stride = stride,
                               .functional = h->has_section ? KM_TRACE : -1,
                               .gradient = h->has_section ? h->J + n * stride : NULL};
-  km_complex s = h->has_section ? x[h->closure->length] : 0.0;
+  km_complex s = h->has_section ? (km_complex)x[h->closure->length] : 0.0;
   for (int i = n; i < h->section_start; ++i)
     h->turn[i - n] = P[i] + s * h->direction[i];
   km_complex_evaluate(h->closure, x, &values);
@@ -180,13 +180,14 @@ static bool linearise(km_homotopy *h, const km_complex *x, km_complex *section_v
 }
 
 /* Rates of the unknowns along the path, from the present factors. */
-static void path_rates(km_homotopy *h, const km_complex *x, km_complex section_value, km_complex *out) {
+static void path_rates(km_homotopy *h, const km_wide *x, km_complex section_value, km_complex *out) {
   int n = h->closure->size;
   for (int i = 0; i < n; ++i)
     h->rhs[i] = h->closure->turn_of[i] < 0 ? h->slope[i] : turn_rate(h, h->closure->turn_of[i], h->slope);
   if (h->has_section) {
     const km_complex *section = h->parameter + h->section_start, *slope = h->slope + h->section_start;
-    h->rhs[n] = slope[2] + slope[0] * (section_value - section[1]) + (x[h->closure->length] - section[0]) * slope[1];
+    h->rhs[n] = slope[2] + slope[0] * (section_value - section[1]) +
+                ((km_complex)x[h->closure->length] - section[0]) * slope[1];
   }
   km_complex_solve(h->J, h->size, h->size, h->row, h->rhs, h->rates);
   km_complex_rate(h->closure, x, h->rates, out);
@@ -195,13 +196,13 @@ static void path_rates(km_homotopy *h, const km_complex *x, km_complex section_v
 }
 
 /* One step of Newton's method with the present factors. Returns its size, relative for s. */
-static double correct(km_homotopy *h, km_complex *x) {
+static double correct(km_homotopy *h, km_wide *x) {
   int n = h->closure->size;
   km_complex_solve(h->J, h->size, h->size, h->row, h->F, h->step);
   double largest = km_complex_step_size(h->closure, h->step, x);
   km_complex_move(h->closure, h->step, x);
   if (h->has_section) {
-    double size = cabs(h->step[n]) / (1.0 + cabs(x[h->closure->length]));
+    double size = cabs(h->step[n]) / (1.0 + cabs((km_complex)x[h->closure->length]));
     largest = size > largest || isnan(size) ? size : largest;
     x[h->closure->length] += h->step[n];
   }
@@ -228,8 +229,9 @@ static void set_parameters(km_homotopy *h, const km_complex *from, double t) {
 }
 
 /* Cubic Hermite extrapolation from the points at −g and 0 to `step`; Euler's step without a last point (g = 0). */
-static void predict(const km_homotopy *h, double g, double step, km_complex *out) {
-  const km_complex *x0 = h->point[0], *x1 = h->point[1], *r0 = h->rate[0], *r1 = h->rate[1];
+static void predict(const km_homotopy *h, double g, double step, km_wide *out) {
+  const km_wide *x0 = h->point[0], *x1 = h->point[1];
+  const km_complex *r0 = h->rate[0], *r1 = h->rate[1];
   if (g <= 0.0) {
     for (int i = 0; i < h->length; ++i)
       out[i] = x1[i] + step * r1[i];
@@ -242,14 +244,14 @@ static void predict(const km_homotopy *h, double g, double step, km_complex *out
   km_complex_normalise(h->closure, out);
 }
 
-static bool is_infinite(const km_homotopy *h, const km_complex *x) {
+static bool is_infinite(const km_homotopy *h, const km_wide *x) {
   const km_complex_closure *c = h->closure;
   for (int i = 0; i < c->size; ++i) {
     int k = c->column_of[i], coordinate = c->m->column_coordinate[c->sub->column_start + k];
     if (c->m->ball_of[coordinate] >= 0)
       continue;
     bool is_length = km_model_coordinate_is_length(c->m->model, coordinate);
-    km_complex number = x[c->start_of[k]];
+    km_complex number = (km_complex)x[c->start_of[k]];
     if (!(is_length ? cabs(number) <= infinite_length : fabs(cimag(number)) <= infinite_angle))
       return true;
   }
@@ -257,7 +259,7 @@ static bool is_infinite(const km_homotopy *h, const km_complex *x) {
 }
 
 /* True if the errors at the end of a path are rounding: Newton's method can converge to other points beside poles. */
-static bool is_solution(km_homotopy *h, const km_complex *x, km_complex *section_value) {
+static bool is_solution(km_homotopy *h, const km_wide *x, km_complex *section_value) {
   bool is_small = linearise(h, x, section_value);
   double largest = final_error * fmax(km_complex_pose_extent(h->closure, x).largest, 1.0);
   for (int i = 0; i < h->size; ++i)
@@ -266,7 +268,7 @@ static bool is_solution(km_homotopy *h, const km_complex *x, km_complex *section
 }
 
 /* Corrects the predicted point. Returns the first correction, infinity if the step is rejected. */
-static double correct_step(km_homotopy *h, km_complex *x, km_complex *section_value, bool is_last) {
+static double correct_step(km_homotopy *h, km_wide *x, km_complex *section_value, bool is_last) {
   if (!linearise(h, x, section_value))
     return HUGE_VAL;
   double first = correct(h, x), last = first;
@@ -284,13 +286,13 @@ static double correct_step(km_homotopy *h, km_complex *x, km_complex *section_va
   return first;
 }
 
-static void exchange(km_complex **a, km_complex **b) {
-  km_complex *before = *a;
+static void exchange(km_wide **a, km_wide **b) {
+  km_wide *before = *a;
   *a = *b;
   *b = before;
 }
 
-km_path_outcome km_homotopy_track(km_homotopy *h, const km_complex *from, const km_complex *to, km_complex *x,
+km_path_outcome km_homotopy_track(km_homotopy *h, const km_complex *from, const km_complex *to, km_wide *x,
                                   double *progress) {
   size_t bytes = (size_t)h->length * sizeof *x;
   double t = 0.0, step = first_step * h->step_factor, last = 0.0;
@@ -321,7 +323,9 @@ km_path_outcome km_homotopy_track(km_homotopy *h, const km_complex *from, const 
     }
     exchange(&h->point[0], &h->point[1]);
     exchange(&h->point[1], &h->point[2]);
-    exchange(&h->rate[0], &h->rate[1]);
+    km_complex *rate = h->rate[0];
+    h->rate[0] = h->rate[1];
+    h->rate[1] = rate;
     if (is_last && !is_solution(h, h->point[1], &section_value))
       outcome = KM_PATH_SINGULAR;
     path_rates(h, h->point[1], section_value, h->rate[1]);

@@ -24,7 +24,8 @@ typedef struct km_homotopy {
   long evaluations;       /* number of factorisations */
   km_complex *turn;       /* [4 · loops] workspace: P + s V */
   km_complex *J, *F, *parameter, *slope, *rates, *step, *rhs; /* workspace */
-  km_complex *point[3], *rate[2];                             /* workspace of the predictor */
+  km_wide *point[3];                                          /* workspace of the predictor: points, */
+  km_complex *rate[2];                                        /* and their rates */
   int *row;
 } km_homotopy;
 
@@ -42,13 +43,13 @@ void km_homotopy_redirect(km_homotopy *h, uint64_t *random);
 /* Draws random parameters. */
 void km_homotopy_draw(const km_homotopy *h, uint64_t *random, km_complex *parameters);
 /* Chooses a random solution x beside the configuration `centre`, and the errors that it has; no section. */
-void km_homotopy_begin(const km_homotopy *h, const km_complex *centre, uint64_t *random, km_complex *x,
+void km_homotopy_begin(const km_homotopy *h, const km_wide *centre, uint64_t *random, km_wide *x,
                        km_complex *parameters);
 /* Parameters of the closed loops: p = 0, P = 1. No section. */
 void km_homotopy_close(const km_homotopy *h, km_complex *parameters);
 /* Tracks the solution x from the parameters `from` to `to`. `*progress` (may be NULL) is the path's parameter that was
  * reached, 1 at the end. */
-km_path_outcome km_homotopy_track(km_homotopy *h, const km_complex *from, const km_complex *to, km_complex *x,
+km_path_outcome km_homotopy_track(km_homotopy *h, const km_complex *from, const km_complex *to, km_wide *x,
                                   double *progress);
 
 #endif

@@ -9,7 +9,7 @@ static const long max_evaluations = 4000000; /* work of one search; the largest 
 enum { MOST_OWN_EDGES = 3 }; /* edges of a node with given parameters; solutions that these miss are beside a pole */
 static const double retry_factor = 0.1; /* lost paths: factor of the corrections that a step may have */
 
-int km_fibre_find(const km_monodromy *g, const km_fibre *fibre, const km_complex *x) {
+int km_fibre_find(const km_monodromy *g, const km_fibre *fibre, const km_wide *x) {
   km_complex mark[KM_FINGERPRINT];
   km_complex_fingerprint(g->h->closure, x, mark);
   for (int i = 0; i < fibre->count; ++i) {
@@ -18,9 +18,9 @@ int km_fibre_find(const km_monodromy *g, const km_fibre *fibre, const km_complex
     for (int k = 0; k < KM_FINGERPRINT && is_same; ++k)
       is_same = cabs(known[k] - mark[k]) <= same_solution * (1.0 + cabs(mark[k]));
     if (is_same && g->h->has_section) {
-      km_complex s = x[g->h->closure->length];
-      is_same = cabs(fibre->points[(size_t)i * (size_t)g->h->length + (size_t)g->h->closure->length] - s) <=
-                same_solution * (1.0 + cabs(s));
+      km_wide s = x[g->h->closure->length];
+      is_same = cabsl(fibre->points[(size_t)i * (size_t)g->h->length + (size_t)g->h->closure->length] - s) <=
+                same_solution * (1.0L + cabsl(s));
     }
     if (is_same)
       return i;
@@ -28,13 +28,13 @@ int km_fibre_find(const km_monodromy *g, const km_fibre *fibre, const km_complex
   return -1;
 }
 
-int km_fibre_add(km_monodromy *g, km_fibre *fibre, const km_complex *x) {
+int km_fibre_add(km_monodromy *g, km_fibre *fibre, const km_wide *x) {
   int found = km_fibre_find(g, fibre, x), length = g->h->length;
   if (found >= 0)
     return found;
   void *points = fibre->points, *marks = fibre->marks;
   size_t count = (size_t)fibre->count;
-  bool is_ok = km_reserve(&points, &fibre->point_capacity, (count + 1) * (size_t)length, sizeof(km_complex));
+  bool is_ok = km_reserve(&points, &fibre->point_capacity, (count + 1) * (size_t)length, sizeof(km_wide));
   fibre->points = points;
   is_ok = is_ok && km_reserve(&marks, &fibre->mark_capacity, (count + 1) * KM_FINGERPRINT, sizeof(km_complex));
   fibre->marks = marks;
@@ -60,9 +60,9 @@ static bool extend_edge(km_monodromy *g, km_fibre_edge *edge) {
   return !g->failed;
 }
 
-km_path_outcome km_monodromy_track(km_monodromy *g, const km_complex *from, const km_complex *to, km_complex *x) {
-  size_t bytes = (size_t)g->h->length * sizeof(km_complex);
-  km_complex *start = KM_NEW(km_complex, (size_t)g->h->length);
+km_path_outcome km_monodromy_track(km_monodromy *g, const km_complex *from, const km_complex *to, km_wide *x) {
+  size_t bytes = (size_t)g->h->length * sizeof(km_wide);
+  km_wide *start = KM_NEW(km_wide, (size_t)g->h->length);
   g->failed = g->failed || !start;
   if (!start)
     return KM_PATH_SINGULAR;
@@ -83,8 +83,8 @@ km_path_outcome km_monodromy_track(km_monodromy *g, const km_complex *from, cons
  * changed to a neighbouring one; then both stay without a partner. */
 static void track(km_monodromy *g, km_fibre_edge *edge, int end, int i) {
   km_fibre *from = &g->node[edge->node[end]], *to = &g->node[edge->node[1 - end]];
-  size_t bytes = (size_t)g->h->length * sizeof(km_complex);
-  km_complex *x = KM_NEW(km_complex, (size_t)g->h->length);
+  size_t bytes = (size_t)g->h->length * sizeof(km_wide);
+  km_wide *x = KM_NEW(km_wide, (size_t)g->h->length);
   g->failed = g->failed || !x;
   if (!x)
     return;
@@ -176,6 +176,30 @@ int km_monodromy_add(km_monodromy *g, const km_complex *parameters) {
     is_ok = saturate(g);
   }
   return is_ok ? k : -1;
+}
+
+int km_monodromy_partner(const km_monodromy *g, int i, int node) {
+  for (int e = 0; e < g->edge_count; ++e) {
+    const km_fibre_edge *edge = &g->edge[e];
+    if (edge->node[0] == 0 && edge->node[1] == node && i < edge->length[0])
+      return edge->partner[0][i];
+  }
+  return -1;
+}
+
+void km_monodromy_choose_first(km_monodromy *g) {
+  int best = 0;
+  for (int k = 1; k < g->node_count; ++k)
+    if (g->node[k].count > g->node[best].count)
+      best = k;
+  km_fibre first = g->node[0];
+  g->node[0] = g->node[best];
+  g->node[best] = first;
+  for (int e = 0; e < g->edge_count && best > 0; ++e)
+    for (int end = 0; end < 2; ++end) {
+      int *node = &g->edge[e].node[end];
+      *node = *node == 0 ? best : *node == best ? 0 : *node;
+    }
 }
 
 bool km_monodromy_search(km_monodromy *g, int quiet) {

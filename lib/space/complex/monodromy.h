@@ -18,7 +18,8 @@
 /* Solutions at one value of the parameters. */
 typedef struct km_fibre {
   km_complex *parameters;
-  km_complex *points, *marks; /* [count × length]; [count × KM_FINGERPRINT] their fingerprints */
+  km_wide *points;   /* [count × length] */
+  km_complex *marks; /* [count × KM_FINGERPRINT] fingerprints of the points */
   size_t point_capacity, mark_capacity;
   int count;
 } km_fibre;
@@ -50,9 +51,9 @@ typedef struct km_monodromy {
 } km_monodromy;
 
 /* Adds a solution unless it is known. Returns its index, −1 when out of memory. */
-int km_fibre_add(km_monodromy *g, km_fibre *fibre, const km_complex *x);
+int km_fibre_add(km_monodromy *g, km_fibre *fibre, const km_wide *x);
 /* Index of the solution with the bodies' poses of x, and with its s on a section; −1: none. */
-int km_fibre_find(const km_monodromy *g, const km_fibre *fibre, const km_complex *x);
+int km_fibre_find(const km_monodromy *g, const km_fibre *fibre, const km_wide *x);
 
 /* Adds nodes and tracks all solutions along all edges. False: out of memory, cancelled, or more than `limit`
  * solutions. */
@@ -60,11 +61,15 @@ bool km_monodromy_extend(km_monodromy *g, int nodes);
 /* Adds a node at given parameters with an edge to node 0, and further ones while it has fewer solutions than node 0.
  * Returns its index; −1: as false of km_monodromy_extend. */
 int km_monodromy_add(km_monodromy *g, const km_complex *parameters);
+/* Index at a node of the solution to which solution i of node 0 leads along their edge; negative: none. */
+int km_monodromy_partner(const km_monodromy *g, int i, int node);
 /* Adds nodes until `quiet` of them in turn brought no further solution to node 0. The caller has set the parameters
  * and at least one solution of node 0. False as km_monodromy_extend. */
 bool km_monodromy_search(km_monodromy *g, int quiet);
+/* Makes the node with the most solutions node 0: solutions of another one may be lost beside poles. */
+void km_monodromy_choose_first(km_monodromy *g);
 /* Tracks x along a straight path, again with shorter steps where it is lost. */
-km_path_outcome km_monodromy_track(km_monodromy *g, const km_complex *from, const km_complex *to, km_complex *x);
+km_path_outcome km_monodromy_track(km_monodromy *g, const km_complex *from, const km_complex *to, km_wide *x);
 void km_monodromy_free(km_monodromy *g);
 
 #endif

@@ -17,16 +17,17 @@ typedef struct endpoint_search {
   const km_complex_closure *closure;
   km_mode_workspace *work;
   km_arena *arena;
-  bool is_overconstrained; /* rows are left out of the system */
-  km_fibre closed;         /* solutions of the closed loops, to see paths that meet */
-  km_complex *x, *start, *detour, *real;
+  bool is_overconstrained;   /* rows are left out of the system */
+  km_fibre closed;           /* solutions of the closed loops, to see paths that meet */
+  km_wide *x, *start, *real; /* [length] */
+  km_complex *detour;        /* [parameters] */
   km_real_endpoints *out;
 } endpoint_search;
 
 /* Follows one solution: straight, else by way of random errors. */
 static km_path_outcome follow(endpoint_search *w, int i) {
   km_monodromy *g = &w->search->graph;
-  size_t bytes = (size_t)g->h->length * sizeof(km_complex);
+  size_t bytes = (size_t)g->h->length * sizeof(km_wide);
   km_path_outcome outcome = KM_PATH_SINGULAR;
   for (int k = 0; k <= DETOURS; ++k) {
     memcpy(w->x, g->node[0].points + (size_t)i * (size_t)g->h->length, bytes);
@@ -56,7 +57,7 @@ static double imaginary_part(const endpoint_search *w, int column) {
   int first = ball < 0 ? column : c->m->column_of[c->m->ball_coordinate[ball]];
   double largest = 0.0;
   for (int i = 0; i < (ball < 0 ? 1 : 4); ++i)
-    largest = fmax(largest, fabs(cimag(w->x[c->start_of[first] + i])));
+    largest = fmax(largest, fabs((double)cimagl(w->x[c->start_of[first] + i])));
   return largest;
 }
 
@@ -165,9 +166,9 @@ km_status km_real_endpoints_find(km_fibre_search *search, const km_complex_closu
                        .out = out,
                        .is_overconstrained = !km_complex_has_all_rows(closure)};
   *out = (km_real_endpoints){0};
-  w.x = KM_ARENA_NEW(arena, km_complex, length);
-  w.start = KM_ARENA_NEW(arena, km_complex, length);
-  w.real = KM_ARENA_NEW(arena, km_complex, length);
+  w.x = KM_ARENA_NEW(arena, km_wide, length);
+  w.start = KM_ARENA_NEW(arena, km_wide, length);
+  w.real = KM_ARENA_NEW(arena, km_wide, length);
   w.detour = KM_ARENA_NEW(arena, km_complex, parameters);
   w.closed.parameters = KM_ARENA_NEW(arena, km_complex, parameters);
   if (!arena->failed)

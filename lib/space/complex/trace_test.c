@@ -6,10 +6,11 @@
 /* Relative difference of the fingerprints of one mode. */
 static const double same_mode_tolerance = 1e-7;
 
-/* Second difference of a sum, relative to the sum of sizes, that rounding explains: 1e-15, beside poles up to 2e-10.
- * One of 350 points, left out, leaves less than this in 14 of 23335 cases (10 of 23681 at a change of 4), 3e-11 at
- * least: if that point alone is missing, this direction does not show it. */
+/* Second difference of a sum, relative to the sum of sizes, that rounding explains: 1e-15, beside poles up to 2e-10. */
 static const double trace_tolerance = 5e-10;
+/* Share of the least second difference of a known point. The number of N points with a second difference below d is
+ * proportional to d², so that an unknown one has less than a tenth of their least one with the probability 0.01 / N. */
+static const double largest_share = 0.1;
 static const double trace_reach = 2.8; /* change of τ over the size of y: the larger, the more a missing point shows */
 static const double largest_news = 0.04; /* share of new points in the last node for which a test is worthwhile */
 static const double least_reach = 1.0;   /* least change, if paths are lost with more */
@@ -20,6 +21,7 @@ enum {
   FEW_SOLUTIONS = 8,
   QUIET_NODES_OF_FEW = 4,
   SECTION_NODES = 3,
+  CLOSINGS = 3,
   SAMPLES_PER_SOLUTION = 3,
   LEAST_SAMPLES = 30
 };
@@ -28,88 +30,143 @@ typedef struct search_state {
   km_fibre_search *out;
   km_monodromy section;
   km_complex_closure *closure;
-  const km_complex *centre;
-  km_complex *x, *end; /* [section length], [section parameters] workspace */
+  const km_wide *centre;
+  km_complex *known; /* [section parameters] of the section at τ = 0 whose points with s = s_0 are the known solutions:
+                      * p + s_0 v and P are those of the search */
+  km_wide *x;        /* [section length] workspace */
+  km_complex *end;   /* [section parameters] workspace */
 } search_state;
 
 /* Point i of a fibre, copied to the workspace. */
-static km_complex *point_of(const search_state *w, const km_monodromy *g, int i) {
+static km_wide *point_of(const search_state *w, const km_monodromy *g, int i) {
   memcpy(w->x, g->node[0].points + (size_t)i * (size_t)g->h->length, (size_t)g->h->length * sizeof *w->x);
   return w->x;
 }
 
-/* Adds the known solutions to the section: from s = s_0, τ = 0 to node 0. */
+/* Adds the known solutions to node 0 of the section. */
 static void begin_section(search_state *w, int first) {
   km_monodromy *g = &w->out->graph, *section = &w->section;
   const km_complex *P = section->node[0].parameters;
-  int start = section->h->section_start;
-  memcpy(w->end, P, (size_t)section->h->parameter_count * sizeof *w->end);
-  w->end[start + 2] = 0.0;
   for (int i = first; i < g->node[0].count && !section->failed; ++i) {
-    km_complex *x = point_of(w, g, i);
-    x[g->h->length] = P[start];
-    if (km_monodromy_track(section, w->end, P, x) == KM_PATH_ARRIVED)
+    km_wide *x = point_of(w, g, i);
+    x[g->h->length] = w->known[section->h->section_start];
+    if (km_monodromy_track(section, w->known, P, x) == KM_PATH_ARRIVED)
       km_fibre_add(section, &section->node[0], x);
   }
 }
 
-/* Parameters of the section's node 0: p + s_0 v and P are those of the search. */
+/* Draws the parameters of node 0 of a section. */
 static void place_section(search_state *w, uint64_t *random) {
   const km_homotopy *h = w->section.h;
   km_complex *P = w->section.node[0].parameters;
-  const km_complex *known = w->out->graph.node[0].parameters;
+  size_t bytes = (size_t)h->parameter_count * sizeof *P;
   km_homotopy_draw(h, random, P);
-  memcpy(P, known, (size_t)h->section_start * sizeof *P);
+  memcpy(P, w->out->graph.node[0].parameters, (size_t)h->section_start * sizeof *P);
   for (int i = 0; i < h->section_start; ++i)
     P[i] -= P[h->section_start] * h->direction[i];
+  memcpy(w->known, P, bytes);
+  w->known[h->section_start + 2] = 0.0;
+}
+
+/* (y, s) of point i of a node. */
+static void point_traces(const search_state *w, const km_fibre *fibre, int i, km_complex trace[2]) {
+  const km_homotopy *h = w->section.h;
+  const km_wide *x = fibre->points + (size_t)i * (size_t)h->length;
+  trace[0] = km_complex_trace(h->closure, x);
+  trace[1] = (km_complex)x[h->closure->length];
 }
 
 /* Sums of y and s over all points of a node. */
 static void add_traces(const search_state *w, const km_fibre *fibre, km_complex sum[2], double *size) {
-  const km_homotopy *h = w->section.h;
   sum[0] = sum[1] = 0.0;
   for (int i = 0; i < fibre->count; ++i) {
-    const km_complex *x = fibre->points + (size_t)i * (size_t)h->length;
-    km_complex y = km_complex_trace(h->closure, x), s = x[h->closure->length];
-    sum[0] += y;
-    sum[1] += s;
-    *size += cabs(y) + cabs(s);
+    km_complex trace[2];
+    point_traces(w, fibre, i, trace);
+    for (int j = 0; j < 2; ++j) {
+      sum[j] += trace[j];
+      *size += cabs(trace[j]);
+    }
   }
 }
 
-/* Adds a node of the section with another τ. Returns its index; −1: it hasn't all points. */
-static int add_section_node(search_state *w, km_complex change) {
-  km_monodromy *g = &w->section;
-  memcpy(w->end, g->node[0].parameters, (size_t)g->h->parameter_count * sizeof *w->end);
-  w->end[g->h->section_start + 2] += change;
-  int node = km_monodromy_add(g, w->end);
-  return node >= 0 && g->node[node].count == g->node[0].count ? node : -1;
-}
-
-/* The trace test with nodes at two changes of τ; NaN if they haven't all points. */
-static double trace_difference(search_state *w, double reach, uint64_t *random) {
-  km_monodromy *g = &w->section;
-  km_complex sum[3][2], change = reach * g->h->functional_size * km_complex_random(random);
-  int first = add_section_node(w, change), second = first < 0 ? -1 : add_section_node(w, 2.0 * change);
-  if (second < 0 || g->node[first].count != g->node[0].count)
-    return nan("");
-  const int node[3] = {0, first, second};
-  double size = 0.0, largest = 0.0;
-  for (int k = 0; k < 3; ++k)
-    add_traces(w, &g->node[node[k]], sum[k], &size);
+/* Largest second difference of y and s. */
+static double second_difference(km_complex traces[3][2]) {
+  double largest = 0.0;
   for (int j = 0; j < 2; ++j)
-    largest = fmax(largest, cabs(sum[0][j] - 2.0 * sum[1][j] + sum[2][j]) / size);
+    largest = fmax(largest, cabs(traces[0][j] - 2.0 * traces[1][j] + traces[2][j]));
   return largest;
 }
 
-/* Moves the section to τ = 0 and adds the points with s = s_0 to the solutions. False if points were lost. */
-static bool collect_fibre(search_state *w) {
+/* Least second difference of a point that has partners along the edges from node 0: what remains of a sum that lacks
+ * it. */
+static double least_difference(const search_state *w, const int node[3]) {
+  const km_monodromy *g = &w->section;
+  double least = HUGE_VAL;
+  for (int i = 0; i < g->node[0].count; ++i) {
+    const int at[3] = {i, km_monodromy_partner(g, i, node[1]), km_monodromy_partner(g, i, node[2])};
+    km_complex traces[3][2];
+    for (int k = 0; k < 3 && at[1] >= 0 && at[2] >= 0; ++k)
+      point_traces(w, &g->node[node[k]], at[k], traces[k]);
+    if (at[1] >= 0 && at[2] >= 0)
+      least = fmin(least, second_difference(traces));
+  }
+  return least;
+}
+
+/* Adds a node of the section. Returns its index; −1: it hasn't all points. */
+static int add_section_node(km_monodromy *g, const km_complex *parameters) {
+  int node = km_monodromy_add(g, parameters);
+  return node >= 0 && g->node[node].count == g->node[0].count ? node : -1;
+}
+
+/* Adds a node of the section with another τ. */
+static int add_changed_node(search_state *w, km_complex change) {
   km_monodromy *g = &w->section;
-  const km_complex *P = g->node[0].parameters;
-  int start = g->h->section_start, length = g->h->closure->length, node = add_section_node(w, -P[start + 2]);
+  memcpy(w->end, g->node[0].parameters, (size_t)g->h->parameter_count * sizeof *w->end);
+  w->end[g->h->section_start + 2] += change;
+  return add_section_node(g, w->end);
+}
+
+/* Second differences of a trace test: of the sums over their sizes; share of a point's, the least one, that it is. */
+typedef struct trace_result {
+  double difference, share;
+} trace_result;
+
+/* The trace test with nodes at two changes of τ; NaN if they haven't all points. */
+static trace_result compare_traces(search_state *w, double reach, uint64_t *random) {
+  km_monodromy *g = &w->section;
+  km_complex sum[3][2], change = reach * g->h->functional_size * km_complex_random(random);
+  int first = add_changed_node(w, change), second = first < 0 ? -1 : add_changed_node(w, 2.0 * change);
+  if (second < 0 || g->node[first].count != g->node[0].count)
+    return (trace_result){nan(""), nan("")};
+  const int node[3] = {0, first, second};
+  double size = 0.0;
+  for (int k = 0; k < 3; ++k)
+    add_traces(w, &g->node[node[k]], sum[k], &size);
+  double difference = second_difference(sum);
+  return (trace_result){difference / size, difference / least_difference(w, node)};
+}
+
+/* Moves the section to τ = 0, where its points have s = s_0 or y = c: the latter with another c where a point is lost.
+ * Returns the node; −1: points were lost each time. */
+static int close_section(search_state *w, uint64_t *random) {
+  km_monodromy *g = &w->section;
+  int node = add_section_node(g, w->known);
+  for (int i = 1; node < 0 && i < CLOSINGS; ++i) {
+    w->known[g->h->section_start + 1] = g->h->functional_size * km_complex_random(random);
+    node = add_section_node(g, w->known);
+  }
+  return node;
+}
+
+/* Adds the section's points with s = s_0 to the solutions. False if points were lost. */
+static bool collect_fibre(search_state *w, uint64_t *random) {
+  km_monodromy *g = &w->section;
+  int node = close_section(w, random), length = g->h->length;
+  km_complex s0 = w->known[g->h->section_start], c = w->known[g->h->section_start + 1];
   for (int i = 0; node >= 0 && i < g->node[node].count; ++i) {
-    const km_complex *x = g->node[node].points + (size_t)i * (size_t)g->h->length;
-    if (cabs(x[length] - P[start]) < cabs(km_complex_trace(g->h->closure, x) - P[start + 1]))
+    const km_wide *x = g->node[node].points + (size_t)i * (size_t)length;
+    if (cabs((km_complex)x[length - 1] - s0) < cabs(km_complex_trace(g->h->closure, x) - c))
       km_fibre_add(&w->out->graph, &w->out->graph.node[0], x);
   }
   return node >= 0;
@@ -130,21 +187,21 @@ static double functional_size(const km_monodromy *g) {
   return sqrt(sum / g->node[0].count);
 }
 
-/* The trace test in two directions; with less reach where points are lost. Returns the larger difference, or the first
- * one that doesn't pass. */
+/* The trace test in two directions that show each known point; with less reach where points are lost. Returns the
+ * larger difference, or the first one that doesn't pass. */
 static double test_traces(search_state *w, uint64_t *random) {
   double largest = 0.0, reach = trace_reach;
   for (int i = 0, passed = 0; i < DIRECTIONS; ++i) {
-    double difference = trace_difference(w, reach, random);
-    if (difference > trace_tolerance)
-      return difference;
-    if (isnan(difference)) {
+    trace_result result = compare_traces(w, reach, random);
+    if (result.difference > trace_tolerance)
+      return result.difference;
+    if (isnan(result.difference))
       reach = fmax(0.7 * reach, least_reach);
-      continue;
+    else if (result.share <= largest_share) {
+      largest = fmax(largest, result.difference);
+      if (++passed == 2)
+        return largest;
     }
-    largest = fmax(largest, difference);
-    if (++passed == 2)
-      return largest;
   }
   return nan("");
 }
@@ -157,13 +214,14 @@ static bool test_section(search_state *w, uint64_t *random) {
     int known = w->section.node[0].count;
     if (!km_monodromy_extend(&w->section, trial == 0 ? SECTION_NODES : 1))
       return false;
+    km_monodromy_choose_first(&w->section);
     out->section_points = w->section.node[0].count;
     int before = out->graph.node[0].count;
     if (out->section_points - known > largest_news * out->section_points)
       continue; /* surely more points are missing */
     out->trace_difference = test_traces(w, random);
     if (out->trace_difference <= trace_tolerance && out->section_points > before)
-      return collect_fibre(w);
+      return collect_fibre(w, random);
     if (isnan(out->trace_difference) || tested == out->section_points || !km_monodromy_extend(&out->graph, 1))
       return false;
     tested = out->section_points;
@@ -220,7 +278,8 @@ static bool create(search_state *w, uint64_t *random, km_arena *arena) {
   if (!km_homotopy_create(closure, false, random, arena, &out->homotopy) ||
       !km_homotopy_create(closure, true, random, arena, &out->section))
     return false;
-  w->x = KM_ARENA_NEW(arena, km_complex, (size_t)out->section.length);
+  w->x = KM_ARENA_NEW(arena, km_wide, (size_t)out->section.length);
+  w->known = KM_ARENA_NEW(arena, km_complex, (size_t)out->section.parameter_count);
   w->end = KM_ARENA_NEW(arena, km_complex, (size_t)out->section.parameter_count);
   out->graph.h = &out->homotopy;
   w->section.h = &out->section;
@@ -228,7 +287,7 @@ static bool create(search_state *w, uint64_t *random, km_arena *arena) {
   return !arena->failed && out->graph.node[0].parameters;
 }
 
-km_status km_fibre_search_run(km_complex_closure *closure, const km_complex *centre, int limit, uint64_t *random,
+km_status km_fibre_search_run(km_complex_closure *closure, const km_wide *centre, int limit, uint64_t *random,
                               km_arena *arena, km_progress progress, void *context, km_fibre_search *out,
                               km_error *error) {
   *out = (km_fibre_search){.trace_difference = nan("")};
@@ -243,8 +302,10 @@ km_status km_fibre_search_run(km_complex_closure *closure, const km_complex *cen
     if (out->is_complete)
       out->trace_difference = 0.0;
     else if (km_monodromy_search(&out->graph, 1) &&
-             km_monodromy_search(&out->graph, out->graph.node[0].count < FEW_SOLUTIONS ? QUIET_NODES_OF_FEW : 0))
+             km_monodromy_search(&out->graph, out->graph.node[0].count < FEW_SOLUTIONS ? QUIET_NODES_OF_FEW : 0)) {
+      km_monodromy_choose_first(&out->graph);
       test_completeness(&w, random);
+    }
     if (!out->is_complete && goes_on(&w))
       out->graph.failed = !sample_fibre(&w, random);
   }

@@ -26,7 +26,7 @@ typedef struct km_fibre_search {
 /* Finds the solutions over a generic value. `centre` is a closed configuration; the closure's
  * functional for the trace test is set. `limit`: largest number of points
  * that are tracked together. KM_CANCELLED; KM_MEMORY. Free `*out` in any case. */
-km_status km_fibre_search_run(km_complex_closure *closure, const km_complex *centre, int limit, uint64_t *random,
+km_status km_fibre_search_run(km_complex_closure *closure, const km_wide *centre, int limit, uint64_t *random,
                               km_arena *arena, km_progress progress, void *context, km_fibre_search *out,
                               km_error *error);
 void km_fibre_search_free(km_fibre_search *search);
