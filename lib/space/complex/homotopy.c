@@ -209,6 +209,14 @@ static double correct(km_homotopy *h, km_wide *x) {
   return largest;
 }
 
+/* True if the rotation P, four numbers from `first`, is P + s V on a section: −P would change the sign of s too. */
+static bool changes_on_section(const km_homotopy *h, int first) {
+  bool changes = false;
+  for (int k = first; k < first + 4; ++k)
+    changes = changes || (h->has_section && h->direction[k] != 0.0);
+  return changes;
+}
+
 /* Sets the slope of the path. P and −P are one rotation: the nearer one is the end. */
 static void set_slope(km_homotopy *h, const km_complex *from, const km_complex *to) {
   for (int i = 0; i < h->parameter_count; ++i)
@@ -217,7 +225,7 @@ static void set_slope(km_homotopy *h, const km_complex *from, const km_complex *
     double along = 0.0;
     for (int k = first; k < first + 4; ++k)
       along += creal(from[k]) * creal(to[k]);
-    for (int k = first; k < first + 4 && along < 0.0; ++k)
+    for (int k = first; k < first + 4 && along < 0.0 && !changes_on_section(h, first); ++k)
       h->slope[k] = -to[k] - from[k];
   }
 }
