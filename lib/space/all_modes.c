@@ -56,7 +56,12 @@ static const km_substructure *substructure_of(const modes_search *f) {
 
 /* Compiles the model of m with loops cut at ball joints, and copies the state. */
 static km_status cut_at_balls(modes_search *f, const km_mechanism *m, const km_state *s, km_error *error) {
-  const km_compiling options = {m->holds, m->hold_count, m->closure_tolerance, m->length, m->length_source, true};
+  const km_compiling options = {.holds = m->holds,
+                                .hold_count = m->hold_count,
+                                .closure_tolerance = m->closure_tolerance,
+                                .length = m->length,
+                                .length_source = m->length_source,
+                                .cuts_balls = true};
   km_status status = km_mechanism_compile_as(m->model, &options, &f->m, error);
   if (!status)
     status = km_state_create(f->m, &f->original, error);

@@ -21,7 +21,7 @@ typedef struct km_graph {
   int body_count, joint_count, coupled_count;
   const km_edge *edges;             /* [joint_count]; body 0 is the inertial frame, to which every body is connected */
   const bool *is_cut;               /* [joint_count] joints at which loops shall be cut; NULL: none */
-  const km_coupled_joints *coupled; /* [tie_count] */
+  const km_coupled_joints *coupled; /* [coupled_count] */
 } km_graph;
 
 /* A joint of a loop, with its side of the loop. */

@@ -144,7 +144,7 @@ static void gibbs_vector(km_wide (*R)[3], const km_complex *P, km_complex g[3]) 
 }
 
 /* Displacement E of a loop: its rotation (columns), image of o, Gibbs vector g, and o on side b. A loop that a joint
- * closes has the moving point where its sides end alone. */
+ * closes uses only `image` and `o`, the ends of its two sides. */
 typedef struct loop_displacement {
   km_complex R[3][3], image[3], g[3], o[3];
 } loop_displacement;

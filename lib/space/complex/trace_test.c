@@ -8,8 +8,8 @@ static const double same_mode_tolerance = 1e-7;
 
 /* Second difference of a sum, relative to the sum of sizes, that rounding explains: 1e-15, beside poles up to 2e-10. */
 static const double trace_tolerance = 5e-10;
-/* Share of the least second difference of a known point. The number of N points with a second difference below d is
- * proportional to d², so that an unknown one has less than a tenth of their least one with the probability 0.01 / N. */
+/* Share of the least second difference of a known point. Values below ε occur at about c N ε² of N points, so that an
+ * unknown one is below a tenth of their least one with the probability 0.01 / N. */
 static const double largest_share = 0.1;
 static const double trace_reach = 2.8; /* change of τ over the size of y: the larger, the more a missing point shows */
 static const double largest_news = 0.04; /* share of new points in the last node for which a test is worthwhile */
@@ -127,7 +127,8 @@ static int add_changed_node(search_state *w, km_complex change) {
   return add_section_node(g, w->end);
 }
 
-/* Second differences of a trace test: of the sums over their sizes; share of a point's, the least one, that it is. */
+/* Second difference of the sums of a trace test: `difference` over the sums' sizes, `share` over the least second
+ * difference of a known point. */
 typedef struct trace_result {
   double difference, share;
 } trace_result;
@@ -219,12 +220,16 @@ static bool test_section(search_state *w, uint64_t *random) {
     int before = out->graph.node[0].count;
     if (out->section_points - known > largest_news * out->section_points)
       continue; /* surely more points are missing */
-    out->trace_difference = test_traces(w, random);
-    if (out->trace_difference <= trace_tolerance && out->section_points > before)
-      return collect_fibre(w, random);
-    if (isnan(out->trace_difference) || tested == out->section_points || !km_monodromy_extend(&out->graph, 1))
+    if (out->section_points > tested) {
+      out->trace_difference = test_traces(w, random);
+      if (out->trace_difference <= trace_tolerance && out->section_points > before)
+        return collect_fibre(w, random);
+      if (isnan(out->trace_difference))
+        return false;
+      tested = out->section_points;
+    }
+    if (!km_monodromy_extend(&out->graph, 1))
       return false;
-    tested = out->section_points;
     begin_section(w, before);
   }
   return false;

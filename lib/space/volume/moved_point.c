@@ -23,7 +23,7 @@ enum {
 static const double reached = 1e-9;        /* distance over L of a point that is there */
 static const double longest_step = 0.3;    /* radians; lengths over the larger of L and the stroke */
 static const double least_decrease = 1e-6; /* share of |d|² that a step may still promise where the point is blocked */
-static const double largest_damping = 1e8; /* μ where a step of 1e-8 |d| lengths is rejected: by rounding, 1e-9 L */
+static const double largest_damping = 1e8; /* μ: steps of at most |A|/μ are rejected by rounding only */
 static const double target_distance = 0.5; /* the next target of an extremum is so far, over the reach */
 static const double endless = 100.0;       /* distance over the reach, the sum of L and all strokes with ends */
 static const double kept_decrease = 1e-4;  /* least share of the promised decrease (L. Armijo 1966) */
