@@ -200,19 +200,10 @@ static tolerance_trial try_tolerance(const km_mechanism *m, int index, double to
   tolerance_trial result = {.tolerance = tolerance};
   km_mechanism *other = NULL;
   km_state *s = NULL;
-  km_hold *holds = KM_NEW(km_hold, (size_t)m->coordinate_count);
   double *saved = KM_NEW(double, (size_t)(KM_SAVED_PER_COLUMN * m->largest_columns));
-  int hold_count = 0;
-  for (int c = 0; holds && c < m->coordinate_count; ++c)
-    if (m->held[c])
-      holds[hold_count++] = (km_hold){c, m->start[c] / km_model_coordinate_factor(m->model, c)};
-  km_compiling options = {.holds = holds,
-                          .hold_count = hold_count,
-                          .closure_tolerance = tolerance,
-                          .length = m->length,
-                          .length_source = m->length_source};
-  if (holds && saved && !km_mechanism_compile_as(m->model, &options, &other, NULL) &&
-      !km_state_create(other, &s, NULL)) {
+  km_compiling options = km_mechanism_options(m);
+  options.closure_tolerance = tolerance;
+  if (saved && !km_mechanism_compile_as(m->model, &options, &other, NULL) && !km_state_create(other, &s, NULL)) {
     km_closure evidence;
     km_status status = KM_OK;
     result.closes = close_from_here(other, s, index, saved, &evidence, &status, NULL) == KM_CLOSED;
@@ -225,7 +216,6 @@ static tolerance_trial try_tolerance(const km_mechanism *m, int index, double to
   km_state_free(s);
   km_mechanism_free(other);
   km_free(saved);
-  km_free(holds);
   return result;
 }
 

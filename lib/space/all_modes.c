@@ -56,12 +56,8 @@ static const km_substructure *substructure_of(const modes_search *f) {
 
 /* Compiles the model of m with loops cut at ball joints, and copies the state. */
 static km_status cut_at_balls(modes_search *f, const km_mechanism *m, const km_state *s, km_error *error) {
-  const km_compiling options = {.holds = m->holds,
-                                .hold_count = m->hold_count,
-                                .closure_tolerance = m->closure_tolerance,
-                                .length = m->length,
-                                .length_source = m->length_source,
-                                .cuts_balls = true};
+  km_compiling options = km_mechanism_options(m);
+  options.cuts_balls = true;
   km_status status = km_mechanism_compile_as(m->model, &options, &f->m, error);
   if (!status)
     status = km_state_create(f->m, &f->original, error);
@@ -180,12 +176,11 @@ static km_status note_stop(modes_search *f, km_status status) {
   return KM_OK;
 }
 
-/* Judges a singular mode: it moves, unless no finite motion leads on. */
+/* Judges a singular mode: it moves, unless no finite motion leads on. A stopped judgement counts as moving. */
 static km_status judge_motion(modes_search *f, km_mode_evidence *evidence, km_error *error) {
   km_finite_mobility finite;
   km_status status = km_finite_mobility_find(f->m, f->s, km_progress_stage_report, &f->stage, &finite, error);
-  evidence->moves =
-      status == KM_CANCELLED || (!status && (finite.undecided || finite.mobility > f->passive)); /* unless shown */
+  evidence->moves = status == KM_CANCELLED || (!status && (finite.undecided || finite.mobility > f->passive));
   km_finite_mobility_free(&finite);
   return note_stop(f, status);
 }

@@ -189,6 +189,15 @@ typedef struct km_compiling {
   bool cuts_balls; /* loops are cut at ball joints where they can be, not where the breadth-first tree ends */
 } km_compiling;
 
+/* Options that compile the model of m as m was compiled; its holds are borrowed. */
+static inline km_compiling km_mechanism_options(const km_mechanism *m) {
+  return (km_compiling){.holds = m->holds,
+                        .hold_count = m->hold_count,
+                        .closure_tolerance = m->closure_tolerance_given ? m->closure_tolerance : 0.0,
+                        .length = m->length,
+                        .length_source = m->length_source};
+}
+
 /* Compiles a model without assembly: if neither the options nor the model have a length, the characteristic length is
  * one length unit. */
 km_status km_mechanism_compile_as(const km_model *model, const km_compiling *options, km_mechanism **out,

@@ -2,7 +2,7 @@
 #include "support/support.h"
 
 #include "kmech/mechanism.h"
-#include "topology/spanning_tree.h"
+#include "topology/mechanism.h"
 
 #include <math.h>
 #include <string.h>
@@ -221,6 +221,26 @@ static void a_ball_is_held_as_a_whole(void **state) {
   fixture_close(&f);
 }
 
+/* A tolerance that is not stated is not stated for a second compilation: ranks follow the gaps of the loops. */
+static void options_of_a_mechanism_compile_it_alike(void **state) {
+  (void)state;
+  fixture f = fixture_open("rssr");
+  for (int i = 0; i < 2; ++i) {
+    km_mechanism *first = NULL, *second = NULL;
+    const km_compiling given = {.closure_tolerance = i ? 1e-6 : 0.0, .length = 2.5, .length_source = KM_LENGTH_JOINTS};
+    assert_int_equal(km_mechanism_compile_as(f.model, &given, &first, NULL), KM_OK);
+    km_compiling options = km_mechanism_options(first);
+    options.cuts_balls = true;
+    assert_int_equal(km_mechanism_compile_as(f.model, &options, &second, NULL), KM_OK);
+    assert_int_equal(second->closure_tolerance_given, i);
+    assert_true(second->closure_tolerance == first->closure_tolerance && second->length == first->length);
+    assert_int_equal(second->length_source, first->length_source);
+    km_mechanism_free(second);
+    km_mechanism_free(first);
+  }
+  fixture_close(&f);
+}
+
 /* Hinges on the ground: no link has a length, and the mechanism's is the greatest distance between two of them. */
 static void length_of_hinges(void **state) {
   (void)state;
@@ -273,6 +293,7 @@ int main(void) {
       cmocka_unit_test(a_late_loop_joins_two_substructures),
       cmocka_unit_test(couplings_join),
       cmocka_unit_test(a_ball_is_held_as_a_whole),
+      cmocka_unit_test(options_of_a_mechanism_compile_it_alike),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
