@@ -7,17 +7,28 @@
 
 /* ---- Configurations. */
 
+/* Quaternion of a ball from the frame before it to that behind it: of a reversed joint the inverse. */
+static km_quaternion oriented(km_quaternion Q, double sign) {
+  return (km_quaternion){Q.w, sign * Q.x, sign * Q.y, sign * Q.z};
+}
+
+static void set_quaternion(km_quaternion Q, km_wide *x) {
+  const km_wide numbers[4] = {Q.w, Q.x, Q.y, Q.z};
+  memcpy(x, numbers, sizeof numbers);
+}
+
 void km_complex_from_state(const km_complex_closure *c, const km_state *s, km_wide *x) {
   for (int k = 0; k < c->sub->columns; ++k) {
     int coordinate = c->m->column_coordinate[c->sub->column_start + k];
     if (km_complex_begins_ball(c, k)) {
-      const km_quaternion *Q = &s->ball[c->m->ball_of[coordinate]];
-      const km_wide numbers[4] = {Q->w, Q->x, Q->y, Q->z};
-      memcpy(&x[c->start_of[k]], numbers, sizeof numbers);
+      set_quaternion(oriented(s->ball[c->m->ball_of[coordinate]], c->hub[k].ball->sign), &x[c->start_of[k]]);
     } else if (!km_complex_is_ball(c, k)) {
       x[c->start_of[k]] = s->q[coordinate] / c->m->unit[coordinate];
     }
   }
+  for (int k = 0; k < c->sub->columns; ++k)
+    if (c->hub[k].count > 0)
+      set_quaternion(km_complex_hub_quaternion(c, k, x), &x[c->start_of[k]]);
 }
 
 /* Sets the joints that close loops. */
@@ -44,14 +55,16 @@ void km_complex_to_state(const km_complex_closure *c, km_wide *x, km_state *s) {
     const km_wide *number = &x[c->start_of[k]];
     if (s->locked[coordinate])
       continue;
-    if (km_complex_begins_ball(c, k))
-      km_state_set_ball(
-          c->m, s, c->m->ball_of[coordinate],
-          (km_quaternion){real_part(number[0]), real_part(number[1]), real_part(number[2]), real_part(number[3])});
-    else if (!km_complex_is_ball(c, k))
+    if (km_complex_begins_ball(c, k)) {
+      km_quaternion Q = {real_part(number[0]), real_part(number[1]), real_part(number[2]), real_part(number[3])};
+      if (c->hub[k].count > 0)
+        Q = km_complex_ball_quaternion(c, k, x);
+      km_state_set_ball(c->m, s, c->m->ball_of[coordinate], oriented(Q, c->hub[k].ball->sign));
+    } else if (!km_complex_is_ball(c, k)) {
       s->q[coordinate] =
           c->m->unit[coordinate] *
           (km_coordinate_turns(c->m, coordinate) ? remainder(real_part(*number), 2.0 * M_PI) : real_part(*number));
+    }
   }
 }
 
@@ -75,49 +88,28 @@ static void quaternion_rate(const km_wide *Q, const km_complex *w, km_complex *o
 
 void km_complex_rate(const km_complex_closure *c, const km_wide *x, const km_complex *rates, km_complex *out) {
   for (int k = 0; k < c->sub->columns; ++k) {
-    km_complex w[3] = {0.0, 0.0, 0.0};
-    int count = km_complex_begins_ball(c, k) ? 3 : 1;
-    for (int i = 0; i < count; ++i)
-      w[i] = c->unknown_of[k + i] >= 0 ? rates[c->unknown_of[k + i]] : 0.0;
-    if (count == 3)
+    km_complex w[3];
+    if (km_complex_begins_ball(c, k)) {
+      km_complex_hub_velocity(c, k, x, rates, w);
       quaternion_rate(&x[c->start_of[k]], w, &out[c->start_of[k]]);
-    else if (!km_complex_is_ball(c, k))
-      out[c->start_of[k]] = w[0];
-  }
-}
-
-void km_complex_move(const km_complex_closure *c, const km_complex *step, km_wide *x) {
-  for (int k = 0; k < c->sub->columns; ++k) {
-    km_complex w[3] = {0.0, 0.0, 0.0}, rate[4];
-    int count = km_complex_begins_ball(c, k) ? 3 : 1;
-    for (int i = 0; i < count; ++i)
-      w[i] = c->unknown_of[k + i] >= 0 ? step[c->unknown_of[k + i]] : 0.0;
-    if (count == 3) {
-      quaternion_rate(&x[c->start_of[k]], w, rate);
-      for (int i = 0; i < 4; ++i)
-        x[c->start_of[k] + i] += rate[i];
     } else if (!km_complex_is_ball(c, k)) {
-      x[c->start_of[k]] += w[0];
+      out[c->start_of[k]] = c->unknown_of[k] >= 0 ? rates[c->unknown_of[k]] : 0.0;
     }
   }
-  km_complex_normalise(c, x);
 }
 
-double km_complex_step_size(const km_complex_closure *c, const km_complex *step, const km_wide *x) {
+/* Size of a rate of the numbers at a configuration. */
+static double rate_size(const km_complex_closure *c, const km_complex *rate, const km_wide *x) {
   double largest = 0.0;
   for (int k = 0; k < c->sub->columns; ++k) {
-    km_complex w[3] = {0.0, 0.0, 0.0}, rate[4];
-    const km_wide *own = &x[c->start_of[k]];
-    int count = km_complex_begins_ball(c, k) ? 3 : km_complex_is_ball(c, k) ? 0 : 1;
-    for (int i = 0; i < count; ++i)
-      w[i] = c->unknown_of[k + i] >= 0 ? step[c->unknown_of[k + i]] : 0.0;
-    double size = cabs(w[0]);
-    if (count == 3) {
+    const km_complex *own = &rate[c->start_of[k]];
+    double size = km_complex_is_ball(c, k) ? 0.0 : cabs(own[0]);
+    if (km_complex_begins_ball(c, k)) {
+      const km_wide *Q = &x[c->start_of[k]];
       double change = 0.0, length = 0.0;
-      quaternion_rate(own, w, rate);
       for (int i = 0; i < 4; ++i) {
-        change += creal(rate[i] * conj(rate[i]));
-        length += real_part(own[i] * conjl(own[i]));
+        change += creal(own[i] * conj(own[i]));
+        length += real_part(Q[i] * conjl(Q[i]));
       }
       size = 2.0 * sqrt(change / length);
     }
@@ -126,23 +118,22 @@ double km_complex_step_size(const km_complex_closure *c, const km_complex *step,
   return largest;
 }
 
+double km_complex_move(const km_complex_closure *c, const km_complex *step, km_wide *x) {
+  km_complex_rate(c, x, step, c->rate);
+  double size = rate_size(c, c->rate, x);
+  for (int i = 0; i < c->length; ++i)
+    x[i] += c->rate[i];
+  km_complex_normalise(c, x);
+  return size;
+}
+
 void km_complex_randomise(const km_complex_closure *c, const km_wide *centre, double distance, uint64_t *random,
                           km_wide *x) {
   memcpy(x, centre, (size_t)c->length * sizeof *x);
-  for (int k = 0; k < c->sub->columns; ++k) {
-    km_complex w[3], rate[4];
-    int count = km_complex_begins_ball(c, k) ? 3 : 1;
-    for (int i = 0; i < count; ++i)
-      w[i] = c->unknown_of[k + i] >= 0 ? distance * km_complex_random(random) : 0.0;
-    if (count == 3) {
-      quaternion_rate(&x[c->start_of[k]], w, rate);
-      for (int i = 0; i < 4; ++i)
-        x[c->start_of[k] + i] += rate[i];
-    } else if (!km_complex_is_ball(c, k)) {
-      x[c->start_of[k]] += w[0];
-    }
-  }
-  km_complex_normalise(c, x);
+  for (int k = 0; k < c->sub->columns; ++k)
+    if (c->unknown_of[k] >= 0)
+      c->step[c->unknown_of[k]] = distance * km_complex_random(random);
+  km_complex_move(c, c->step, x);
 }
 
 /* ---- Evaluation. */

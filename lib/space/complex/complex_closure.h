@@ -1,9 +1,12 @@
 /* Closure errors of one substructure over the complex numbers (docs/theory.md 4.15).
  *
- *   F(q) = p,  E_R = G,   q complex: angles and lengths x, unit quaternions Q of ball joints with Q·Q = 1       [n × n]
+ *   F(q) = p,  E_R = G,   q complex: angles and lengths x, quaternions Q of ball joints with Q·Q = 1            [n × n]
  *   planar loops : isotropic coordinates Z = x + iy, W = x − iy, U = exp(iφ), V = 1/U
  *                  F = ((F_Z + F_W)/2, (F_Z − F_W)/(2i), (A/G − 1)/i),   A = U_a V_b exp(i φ_0)
  *   spatial loops: F = (E(o) − o; 2 tan(θ/2) axis),   E = X_a X_b⁻¹, E_R Gᵀ a rotation by θ; o the loop's point
+ *
+ * Q turns the hub of a ball joint (complex_slots.c), the body behind it where most chains meet; the rates of a ball's
+ * unknowns are the angular velocity of its own body.
  *
  * A closed loop has F = 0 with G = 1. Positions have errors p; rotations have an error G, the quaternion P, since sums
  * of quaternions near the real ones have no pole.
@@ -71,6 +74,13 @@ typedef struct km_slot_weight {
   km_complex p[3], R[3][3];
 } km_slot_weight;
 
+/* A ball joint and its hub: the ball's quaternion is the rotation from the frame before the ball to the hub. */
+typedef struct km_complex_hub {
+  const km_step *ball;   /* NULL: no ball */
+  int count;             /* steps from the ball to the hub; 0: the hub is the ball's own body */
+  const km_step **chain; /* [count] */
+} km_complex_hub;
+
 /* The square system of one substructure. Immutable after its creation but for the workspace. */
 typedef struct km_complex_closure {
   const km_mechanism *m;
@@ -85,6 +95,8 @@ typedef struct km_complex_closure {
   int *turn_of;      /* [n] index of a rotation's component in `turn`; −1: a position */
   bool *has_turn;    /* [4 · loops] components of P that loops have */
   int *closing_step; /* [loops] step of a ball joint or planar hinge that closes the loop; −1: none */
+  km_complex_hub *hub;                    /* [columns], at the first column of a ball */
+  bool *is_hub;                           /* [the mechanism's steps] steps that end at a hub, which its ball places */
   km_slot_weight *weight[KM_FUNCTIONALS]; /* [steps of all programs + 2 · loops]: slots, then the ends of the loops'
                                            * sides, whose positions count; zero: they don't */
   int end_start;                          /* first weight of an end: side k of loop l has end_start + 2 l + k */
@@ -92,6 +104,7 @@ typedef struct km_complex_closure {
   km_isotropic_pose *isotropic;           /* workspace of planar programs */
   km_complex (*twist)[6];                 /* workspace: unit twists (v; ω) of a program's steps, three per step */
   km_complex (*wrench)[6];                /* workspace of gradients, by slot */
+  km_complex *rate, *step;                /* [length], [columns] workspace */
 } km_complex_closure;
 
 /* One evaluation: F[n], J[n × n] by rows of `stride` numbers, and a functional with its gradient[n]. Pointers may be
@@ -141,11 +154,10 @@ km_complex km_complex_trace(const km_complex_closure *c, const km_wide *x);
  * section of a curve. */
 void km_complex_choose_trace(km_complex_closure *c, const km_wide *points, int count, uint64_t *random);
 
-/* Adds a step[n] to a configuration: x <- exp(step) x. */
-void km_complex_move(const km_complex_closure *c, const km_complex *step, km_wide *x);
-/* Size of a step at a configuration: the largest |change| of a hinge or slide, and of a ball joint 2 |Q̇|/|Q|, its
- * angle where Q is real. Angular velocities grow with |Q|² beside a pole, where Q hardly changes. */
-double km_complex_step_size(const km_complex_closure *c, const km_complex *step, const km_wide *x);
+/* Adds a step[n] to a configuration: x <- exp(step) x. Returns its size: the largest |change| of a hinge or slide, and
+ * of a ball joint 2 |Q̇|/|Q|, the angle of its hub where Q is real. Angular velocities grow with |Q|² beside a pole,
+ * where Q hardly changes. */
+double km_complex_move(const km_complex_closure *c, const km_complex *step, km_wide *x);
 /* Computes the rate of the configuration's numbers, out[length], at the rates[n] of the unknowns. */
 void km_complex_rate(const km_complex_closure *c, const km_wide *x, const km_complex *rates, km_complex *out);
 /* Normalises the quaternions, Q <- Q / sqrt(Q·Q). */

@@ -236,6 +236,10 @@ static void allocate(km_complex_closure *c, choice *w, km_arena *arena) {
   c->isotropic = KM_ARENA_NEW(arena, km_isotropic_pose, (size_t)c->m->largest_slots);
   c->wrench = km_arena_alloc(arena, (size_t)c->m->largest_slots, sizeof *c->wrench);
   c->twist = km_arena_alloc(arena, (size_t)(3 * steps), sizeof *c->twist);
+  c->hub = KM_ARENA_NEW(arena, km_complex_hub, columns);
+  c->is_hub = KM_ARENA_NEW(arena, bool, (size_t)c->m->step_count);
+  c->rate = KM_ARENA_NEW(arena, km_complex, 4 * columns);
+  c->step = KM_ARENA_NEW(arena, km_complex, columns);
   w->J = KM_ARENA_NEW(arena, km_complex, rows * columns);
   w->gradient = KM_ARENA_NEW(arena, km_complex, columns);
   w->reference = KM_ARENA_NEW(arena, km_wide, 4 * columns);
@@ -254,8 +258,10 @@ km_status km_complex_closure_create(const km_mechanism *m, km_state *s, int subs
   if (status)
     return status;
   allocate(out, &w, arena);
-  if (!arena->failed)
+  if (!arena->failed) {
     km_complex_draw_weights(out, random, arena);
+    km_complex_choose_hubs(out, s, arena);
+  }
   if (arena->failed)
     return km_fail(error, KM_MEMORY, "out of memory for the assembly modes");
   for (int k = 0; k < sub->columns; ++k) {

@@ -199,8 +199,7 @@ static void path_rates(km_homotopy *h, const km_wide *x, km_complex section_valu
 static double correct(km_homotopy *h, km_wide *x) {
   int n = h->closure->size;
   km_complex_solve(h->J, h->size, h->size, h->row, h->F, h->step);
-  double largest = km_complex_step_size(h->closure, h->step, x);
-  km_complex_move(h->closure, h->step, x);
+  double largest = km_complex_move(h->closure, h->step, x);
   if (h->has_section) {
     double size = cabs(h->step[n]) / (1.0 + cabs((km_complex)x[h->closure->length]));
     largest = size > largest || isnan(size) ? size : largest;
