@@ -3,8 +3,7 @@
 #include "support/support.h"
 
 #include "base/random.h"
-#include "space/complex/complex_loops.h"
-#include "space/complex/complex_vectors.h"
+#include "space/complex/complex_chain.h"
 #include "spatial/rotation.h"
 
 #include <float.h>
@@ -143,6 +142,37 @@ static void test_derivatives(void **state) {
   }
 }
 
+/* Doubles and long doubles give the same values. */
+static void test_both_types_agree(void **state) {
+  (void)state;
+  for (int n = 0; n < SEEDS; ++n) {
+    subject u = subject_open(n);
+    km_wide x[128];
+    km_complex F[2][64], J[2][64 * 64], gradient[2][64];
+    km_complex_values values[2];
+    int size = u.c.size;
+    double largest = 1.0;
+    km_complex_from_state(&u.c, u.s, x);
+    km_complex_randomise(&u.c, x, 0.5, &u.random, x);
+    for (int k = 0; k < 2; ++k) {
+      values[k] = (km_complex_values){
+          .F = F[k], .J = J[k], .stride = size, .functional = 0, .gradient = gradient[k], .is_narrow = k};
+      km_complex_evaluate(&u.c, x, &values[k]);
+    }
+    /* Parts of poses are at most the largest entry of J; 60 products each */
+    for (int i = 0; i < size * size; ++i)
+      largest = fmax(largest, cabs(J[0][i]));
+    double tolerance = 60.0 * DBL_EPSILON * largest * largest;
+    for (int i = 0; i < size * size; ++i)
+      assert_true(cabs(J[0][i] - J[1][i]) <= tolerance);
+    for (int i = 0; i < size; ++i) {
+      assert_true(cabs(F[0][i] - F[1][i]) <= tolerance);
+      assert_true(cabs(gradient[0][i] - gradient[1][i]) <= tolerance * 6.0 * LEGS);
+    }
+    subject_close(&u);
+  }
+}
+
 /* Chains at the hub stay at constant distances however near a pole the angles of the chain from its ball are. */
 static void test_hub_is_rigid_beside_a_pole(void **state) {
   (void)state;
@@ -155,8 +185,8 @@ static void test_hub_is_rigid_beside_a_pole(void **state) {
       if (hub->chain[k]->primitive == KM_REVOLUTE)
         x[u.c.start_of[km_complex_column(&u.c, hub->chain[k]->coordinate)]] += km_wide_of(0.3, 12.0);
     const km_program *program = &u.m->programs[u.c.sub->program_start];
-    km_complex_compute_slots(&u.c, program, x);
-    km_complex_pose *H = &u.c.slot[hub->count ? hub->chain[hub->count - 1]->to : hub->ball->to];
+    km_complex_compute_chains(&u.c, program, x, &(km_complex_values){0});
+    km_wide_pose *H = &u.c.wide_slot[hub->count ? hub->chain[hub->count - 1]->to : hub->ball->to];
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) {
         km_wide product = H->R[i][0] * H->R[j][0] + H->R[i][1] * H->R[j][1] + H->R[i][2] * H->R[j][2];
@@ -168,7 +198,7 @@ static void test_hub_is_rigid_beside_a_pole(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_configurations_are_states),
-                                     cmocka_unit_test(test_derivatives),
+                                     cmocka_unit_test(test_derivatives), cmocka_unit_test(test_both_types_agree),
                                      cmocka_unit_test(test_hub_is_rigid_beside_a_pole)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

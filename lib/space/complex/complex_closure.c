@@ -1,7 +1,7 @@
 /* Configurations and evaluation of the complex closure system (complex_closure.h). */
 #include "space/complex/complex_closure.h"
 
-#include "space/complex/complex_loops.h"
+#include "space/complex/complex_chain.h"
 
 #include <string.h>
 
@@ -68,9 +68,15 @@ void km_complex_to_state(const km_complex_closure *c, km_wide *x, km_state *s) {
   }
 }
 
+/* True if `column` is the first one of a ball whose quaternion changes. */
+static bool begins_moving_ball(const km_complex_closure *c, int column) {
+  return c->hub[column].ball && (c->hub[column].count > 0 || c->unknown_of[column] >= 0 ||
+                                 c->unknown_of[column + 1] >= 0 || c->unknown_of[column + 2] >= 0);
+}
+
 void km_complex_normalise(const km_complex_closure *c, km_wide *x) {
   for (int k = 0; k < c->sub->columns; ++k)
-    if (km_complex_begins_ball(c, k)) {
+    if (begins_moving_ball(c, k)) {
       km_wide *Q = &x[c->start_of[k]];
       km_wide share = 1.0L / csqrtl(Q[0] * Q[0] + Q[1] * Q[1] + Q[2] * Q[2] + Q[3] * Q[3]);
       for (int i = 0; i < 4; ++i)
@@ -87,35 +93,39 @@ static void quaternion_rate(const km_wide *Q, const km_complex *w, km_complex *o
 }
 
 void km_complex_rate(const km_complex_closure *c, const km_wide *x, const km_complex *rates, km_complex *out) {
+  memset(out, 0, (size_t)c->length * sizeof *out);
   for (int k = 0; k < c->sub->columns; ++k) {
     km_complex w[3];
-    if (km_complex_begins_ball(c, k)) {
+    if (begins_moving_ball(c, k)) {
       km_complex_hub_velocity(c, k, x, rates, w);
       quaternion_rate(&x[c->start_of[k]], w, &out[c->start_of[k]]);
-    } else if (!km_complex_is_ball(c, k)) {
-      out[c->start_of[k]] = c->unknown_of[k] >= 0 ? rates[c->unknown_of[k]] : 0.0;
+    } else if (!km_complex_is_ball(c, k) && c->unknown_of[k] >= 0) {
+      out[c->start_of[k]] = rates[c->unknown_of[k]];
     }
   }
 }
 
+static double square(km_complex z) {
+  return creal(z) * creal(z) + cimag(z) * cimag(z);
+}
+
 /* Size of a rate of the numbers at a configuration. */
 static double rate_size(const km_complex_closure *c, const km_complex *rate, const km_wide *x) {
-  double largest = 0.0;
+  double largest = 0.0; /* squared */
   for (int k = 0; k < c->sub->columns; ++k) {
     const km_complex *own = &rate[c->start_of[k]];
-    double size = km_complex_is_ball(c, k) ? 0.0 : cabs(own[0]);
-    if (km_complex_begins_ball(c, k)) {
-      const km_wide *Q = &x[c->start_of[k]];
+    double size = km_complex_is_ball(c, k) ? 0.0 : square(own[0]);
+    if (begins_moving_ball(c, k)) {
       double change = 0.0, length = 0.0;
       for (int i = 0; i < 4; ++i) {
-        change += creal(own[i] * conj(own[i]));
-        length += real_part(Q[i] * conjl(Q[i]));
+        change += square(own[i]);
+        length += square((km_complex)x[c->start_of[k] + i]);
       }
-      size = 2.0 * sqrt(change / length);
+      size = 4.0 * change / length;
     }
     largest = size > largest || isnan(size) ? size : largest;
   }
-  return largest;
+  return sqrt(largest);
 }
 
 double km_complex_move(const km_complex_closure *c, const km_complex *step, km_wide *x) {

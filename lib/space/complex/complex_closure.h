@@ -5,7 +5,7 @@
  *                  F = ((F_Z + F_W)/2, (F_Z − F_W)/(2i), (A/G − 1)/i),   A = U_a V_b exp(i φ_0)
  *   spatial loops: F = (E(o) − o; 2 tan(θ/2) axis),   E = X_a X_b⁻¹, E_R Gᵀ a rotation by θ; o the loop's point
  *
- * Q turns the hub of a ball joint (complex_slots.c), the body behind it where most chains meet; the rates of a ball's
+ * Q turns the hub of a ball joint (complex_chain.c), the body behind it where most chains meet; the rates of a ball's
  * unknowns are the angular velocity of its own body.
  *
  * A closed loop has F = 0 with G = 1. Positions have errors p; rotations have an error G, the quaternion P, since sums
@@ -37,8 +37,8 @@ static inline km_complex km_complex_of(double re, double im) {
 }
 #define KM_I km_complex_of(0.0, 1.0) /* the imaginary unit as a double: C's own is a float */
 
-/* Numbers of configurations and of the chains of spatial loops: beside a pole rotations have parts of 1e4, whose
- * products cancel. */
+/* Numbers of configurations, and of the chains of spatial loops at the end of a path: rotations have parts of 1e4
+ * beside a pole, whose products cancel. */
 typedef long double complex km_wide;
 
 /* re + i im, as km_complex_of. */
@@ -55,8 +55,18 @@ enum { KM_FINGERPRINT = 2, KM_TRACE = 2, KM_FUNCTIONALS = 3 };
 
 /* Complex pose of a slot of a spatial program: columns of the rotation, origin. */
 typedef struct km_complex_pose {
-  km_wide R[3][3], p[3];
+  km_complex R[3][3], p[3];
 } km_complex_pose;
+
+typedef struct km_wide_pose {
+  km_wide R[3][3], p[3];
+} km_wide_pose;
+
+/* Displacement E of a spatial loop: its rotation (columns), image of o, Gibbs vector g, o on side b, and the errors. A
+ * loop that a joint closes uses only the ends of its two sides, `image` and `o`, and the errors of positions. */
+typedef struct km_loop_displacement {
+  km_complex R[3][3], image[3], g[3], o[3], errors[6];
+} km_loop_displacement;
 
 /* Slot of a planar program in isotropic coordinates. */
 typedef struct km_isotropic_pose {
@@ -101,6 +111,8 @@ typedef struct km_complex_closure {
                                            * sides, whose positions count; zero: they don't */
   int end_start;                          /* first weight of an end: side k of loop l has end_start + 2 l + k */
   km_complex_pose *slot;                  /* workspace of spatial programs */
+  km_wide_pose *wide_slot;                /* workspace of spatial programs */
+  km_loop_displacement *displacement;     /* workspace of spatial programs, by loop */
   km_isotropic_pose *isotropic;           /* workspace of planar programs */
   km_complex (*twist)[6];                 /* workspace: unit twists (v; ω) of a program's steps, three per step */
   km_complex (*wrench)[6];                /* workspace of gradients, by slot */
@@ -115,6 +127,7 @@ typedef struct km_complex_values {
   km_complex *F, *J;
   int stride;
   int functional; /* index of the functional */
+  bool is_narrow; /* chains of spatial loops have doubles: steps within a path need no more; false: long doubles */
   km_complex value, *gradient;
 } km_complex_values;
 

@@ -22,25 +22,6 @@ typedef struct km_program_weight {
   const km_slot_weight *slot, *end;
 } km_program_weight;
 
-/* Rotation of a quaternion, by columns. The formula is homogeneous in Q: the error of Q·Q, a difference of large parts
- * beside a pole, scales the rotation and doesn't distort it. */
-void km_complex_quaternion_rotation(const km_wide *Q, km_wide R[3][3]);
-/* out = X · Y for a real pose Y; out may be X. */
-void km_complex_pose_product(km_complex_pose *X, const km_pose *Y, bool has_rotation, km_complex_pose *out);
-/* Computes the poses of a spatial program's slots, and the unit twists of its steps; those of a ball are rotations
- * about the axes of the frame before it. */
-void km_complex_compute_slots(const km_complex_closure *c, const km_program *program, const km_wide *x);
-
-/* Chooses the hubs of the ball joints that are not locked. */
-void km_complex_choose_hubs(km_complex_closure *c, const km_state *state, km_arena *arena);
-/* Angular velocity of the hub of the ball at `column`, along the axes of the frame before the ball. */
-void km_complex_hub_velocity(const km_complex_closure *c, int column, const km_wide *x, const km_complex *rates,
-                             km_complex *w);
-/* Real quaternions, relative to the frame before the ball at `column`: of its hub, if x has that of the ball's own
- * body, and of the ball's own body, if x has that of the hub. */
-km_quaternion km_complex_hub_quaternion(const km_complex_closure *c, int column, const km_wide *x);
-km_quaternion km_complex_ball_quaternion(const km_complex_closure *c, int column, const km_wide *x);
-
 /* Evaluates the loops of a program and adds its part of the functional; weight.slot = NULL: no functional. */
 void km_complex_planar(const km_complex_closure *c, const km_program *program, const km_wide *x,
                        km_program_weight weight, km_complex_values *out);

@@ -1,13 +1,12 @@
 /* Spatial loops over the complex numbers (complex_closure.h).
  *
- *   E = X_a X_b⁻¹;  errors: E(o) − o and 2 g,  g = tan(θ/2) axis = vee(R − Rᵀ) / (1 + tr R),  R = E_R Gᵀ
  *   ∂E(o)/∂q = h.v + h.ω × E(o),   ∂(2g)/∂q = ω + ω × g + g (ω·g)     joints on side a; those on side b by −E h
  *
- * h is the unit twist of a step (complex_slots.c), o the loop's point, or the moving point where side b ends. */
-#include "space/complex/complex_vectors.h"
+ * h is the unit twist of a step, E the displacement of a loop (complex_chain.c); o is the loop's point, or the moving
+ * point where side b ends. */
+#include "space/complex/complex_chain.h"
 
 #include "model/joint_type.h"
-#include "space/complex/complex_loops.h"
 
 #include <string.h>
 
@@ -18,65 +17,8 @@ static void rotate(km_complex (*R)[3], const km_complex *a, km_complex *out) {
   memcpy(out, r, sizeof r);
 }
 
-/* Gibbs vector of R Gᵀ. */
-static void gibbs_vector(km_wide (*R)[3], const km_complex *P, km_complex g[3]) {
-  km_wide G[3][3], T[3][3];
-  if (P) {
-    const km_wide wide[4] = {P[0], P[1], P[2], P[3]};
-    km_complex_quaternion_rotation(wide, G);
-    for (int j = 0; j < 3; ++j)
-      for (int k = 0; k < 3; ++k)
-        T[j][k] = R[0][k] * G[0][j] + R[1][k] * G[1][j] + R[2][k] * G[2][j];
-    R = T;
-  }
-  km_wide share = 1.0L / (1.0L + R[0][0] + R[1][1] + R[2][2]);
-  g[0] = (km_complex)(share * (R[1][2] - R[2][1]));
-  g[1] = (km_complex)(share * (R[2][0] - R[0][2]));
-  g[2] = (km_complex)(share * (R[0][1] - R[1][0]));
-}
-
-/* Displacement E of a loop: its rotation (columns), image of o, Gibbs vector g, and o on side b. A loop that a joint
- * closes uses only `image` and `o`, the ends of its two sides. */
-typedef struct loop_displacement {
-  km_complex R[3][3], image[3], g[3], o[3];
-} loop_displacement;
-
-/* Computes E and the errors of positions of a loop that a joint closes. */
-static void compare_ends(const km_loop *loop, const km_complex_pose *a, const km_complex_pose *b, loop_displacement *E,
-                         km_complex errors[6]) {
-  const double offset[3] = {loop->origin_offset.x, loop->origin_offset.y, loop->origin_offset.z};
-  km_complex_narrow(a->p, 3, E->image);
-  km_complex_narrow(b->p, 3, E->o);
-  for (int k = 0; k < 3; ++k)
-    errors[k] = (km_complex)(a->p[k] - b->p[k] - offset[k]);
-}
-
-/* Computes E and the errors of a loop with a fixed point. */
-static void displace(km_complex_loop here, const km_complex_pose *a, const km_complex_pose *b, loop_displacement *E,
-                     km_complex errors[6]) {
-  const km_loop *loop = here.loop;
-  const double offset[3] = {loop->origin_offset.x, loop->origin_offset.y, loop->origin_offset.z};
-  const double point[3] = {loop->point[0].x, loop->point[0].y, loop->point[0].z};
-  km_wide R[3][3], from[3], image[3];
-  for (int j = 0; j < 3; ++j)
-    for (int k = 0; k < 3; ++k) /* R = R_a R_bᵀ */
-      R[j][k] = a->R[0][k] * b->R[0][j] + a->R[1][k] * b->R[1][j] + a->R[2][k] * b->R[2][j];
-  for (int k = 0; k < 3; ++k)
-    from[k] = point[k] - offset[k] - b->p[k];
-  km_wide_rotate(R, from, image);
-  gibbs_vector(R, here.P, E->g);
-  for (int k = 0; k < 3; ++k) {
-    image[k] += a->p[k];
-    errors[k] = (km_complex)(image[k] - point[k]);
-    errors[3 + k] = 2.0 * E->g[k];
-    E->o[k] = point[k] - offset[k];
-    km_complex_narrow(R[k], 3, E->R[k]);
-  }
-  km_complex_narrow(image, 3, E->image);
-}
-
 /* Column of J of the unit twist h of a joint on one side; of positions alone if the point moves. */
-static void loop_column(bool has_moving_point, loop_displacement *E, double side, const km_complex *h,
+static void loop_column(bool has_moving_point, km_loop_displacement *E, double side, const km_complex *h,
                         km_complex column[6]) {
   km_complex w[3], v[3];
   memcpy(w, h + 3, sizeof w);
@@ -95,28 +37,22 @@ static void loop_column(bool has_moving_point, loop_displacement *E, double side
     column[3 + k] = side * (w[k] + column[3 + k] + along * E->g[k]);
 }
 
-static void evaluate_loop(const km_complex_closure *c, const km_program *program, km_complex_loop here,
+static void evaluate_loop(const km_complex_closure *c, const km_program *program, int index,
                           const km_complex_values *out) {
+  km_complex_loop here = km_complex_loop_at(c, program->loop_start + index, out);
   const km_loop *loop = here.loop;
-  loop_displacement E;
-  km_complex errors[6] = {0}, column[6] = {0};
-  km_complex_pose a, b;
-  km_complex_pose_product(&c->slot[loop->slot[0]], &loop->closing_frame[0], !here.has_moving_point, &a);
-  km_complex_pose_product(&c->slot[loop->slot[1]], &loop->closing_frame[1], !here.has_moving_point, &b);
-  if (here.has_moving_point)
-    compare_ends(loop, &a, &b, &E, errors);
-  else
-    displace(here, &a, &b, &E, errors);
+  km_loop_displacement *E = &c->displacement[index];
+  km_complex column[6] = {0};
   for (int r = 0; out->F && r < loop->lambda; ++r)
     if (c->equation_of[loop->row_start + r] >= 0)
-      out->F[c->equation_of[loop->row_start + r]] = errors[loop->rows[r]];
+      out->F[c->equation_of[loop->row_start + r]] = E->errors[loop->rows[r]];
   for (int i = 0; out->J && i < loop->entry_count; ++i) {
     const km_entry *entry = &c->m->entries[loop->entry_start + i];
     int freedom = km_primitive_freedom(c->m->steps[program->step_start + entry->step].primitive);
     for (int k = 0; k < freedom; ++k) {
       if (c->unknown_of[entry->column + k] < 0)
         continue;
-      loop_column(here.has_moving_point, &E, entry->side, c->twist[3 * entry->step + k], column);
+      loop_column(here.has_moving_point, E, entry->side, c->twist[3 * entry->step + k], column);
       for (int r = 0; r < loop->lambda; ++r)
         km_complex_store(c, out, loop->row_start + r, entry->column + k, column[loop->rows[r]]);
     }
@@ -124,9 +60,8 @@ static void evaluate_loop(const km_complex_closure *c, const km_program *program
 }
 
 /* Adds w·p of a point and its wrench (w; p × w). */
-static void add_force(const km_complex *w, const km_wide *place, km_complex *wrench, km_complex_values *out) {
-  km_complex moment[3], p[3];
-  km_complex_narrow(place, 3, p);
+static void add_force(const km_complex *w, const km_complex *p, km_complex *wrench, km_complex_values *out) {
+  km_complex moment[3];
   km_complex_cross(p, w, moment);
   out->value += km_complex_dot(w, p);
   for (int k = 0; k < 3; ++k) {
@@ -149,12 +84,11 @@ static void add_functional(const km_complex_closure *c, const km_program *progra
   for (int i = program->step_count - 1; i >= 0; --i) {
     const km_step *step = &c->m->steps[program->step_start + i];
     const km_complex_pose *X = &c->slot[step->to];
-    km_complex *behind = c->wrench[step->to], *before = c->wrench[step->from], moment[3], axis[3];
+    km_complex *behind = c->wrench[step->to], *before = c->wrench[step->from], moment[3];
     add_force(weight.slot[i].p, X->p, behind, out);
     for (int j = 0; j < 3; ++j) {
-      km_complex_narrow(X->R[j], 3, axis);
-      out->value += km_complex_dot(weight.slot[i].R[j], axis);
-      km_complex_cross(axis, weight.slot[i].R[j], moment);
+      out->value += km_complex_dot(weight.slot[i].R[j], X->R[j]);
+      km_complex_cross(X->R[j], weight.slot[i].R[j], moment);
       for (int k = 0; k < 3; ++k)
         behind[3 + k] += moment[k];
     }
@@ -170,15 +104,15 @@ static void add_functional(const km_complex_closure *c, const km_program *progra
 
 void km_complex_spatial(const km_complex_closure *c, const km_program *program, const km_wide *x,
                         km_program_weight weight, km_complex_values *out) {
-  km_complex_compute_slots(c, program, x);
+  km_complex_compute_chains(c, program, x, out);
   for (int i = 0; i < program->loop_count; ++i)
-    evaluate_loop(c, program, km_complex_loop_at(c, program->loop_start + i, out), out);
+    evaluate_loop(c, program, i, out);
   if (weight.slot)
     add_functional(c, program, weight, out);
 }
 
-static km_vec3 real_part(const km_wide *a) {
-  return (km_vec3){(double)creall(a[0]), (double)creall(a[1]), (double)creall(a[2])};
+static km_vec3 real_part(const km_complex *a) {
+  return (km_vec3){creal(a[0]), creal(a[1]), creal(a[2])};
 }
 
 /* The ball's rotation T before the closing frame C: R T C = R_b, so T = Rᵀ R_b Cᵀ. */
@@ -187,7 +121,7 @@ void km_complex_close_spatial(const km_complex_closure *c, const km_program *pro
   const km_step *step = &c->m->steps[program->step_start + i];
   km_complex_pose before, b;
   km_rotation T, C = loop->closing_frame[0].R, other, middle;
-  km_complex_compute_slots(c, program, x);
+  km_complex_compute_chains(c, program, x, &(km_complex_values){0});
   km_complex_pose_product(&c->slot[step->from], &step->before, step->has_rotation, &before);
   km_complex_pose_product(&c->slot[loop->slot[1]], &loop->closing_frame[1], true, &b);
   for (int k = 0; k < 3; ++k) {
@@ -208,23 +142,23 @@ void km_complex_close_spatial(const km_complex_closure *c, const km_program *pro
 
 void km_complex_spatial_extent(const km_complex_closure *c, const km_program *program, const km_wide *x,
                                km_program_weight weight, km_complex_extent *extent) {
-  km_complex_compute_slots(c, program, x);
+  km_complex_compute_chains(c, program, x, &(km_complex_values){0});
   for (int i = 0; i < 2 * program->loop_count; ++i) {
     const km_loop *loop = &c->m->loops[c->m->loop_order[program->loop_start + i / 2]];
     km_complex_pose X;
     km_complex_pose_product(&c->slot[loop->slot[i % 2]], &loop->closing_frame[i % 2], false, &X);
     for (int k = 0; k < 3; ++k)
       if (weight.end[i].p[k] != 0.0)
-        km_complex_extend(extent, (km_complex)X.p[k]);
+        km_complex_extend(extent, X.p[k]);
   }
   for (int i = 0; i < program->step_count; ++i) {
     const km_complex_pose *X = &c->slot[c->m->steps[program->step_start + i].to];
     for (int k = 0; k < 3; ++k) {
       if (weight.slot[i].p[k] != 0.0)
-        km_complex_extend(extent, (km_complex)X->p[k]);
+        km_complex_extend(extent, X->p[k]);
       for (int j = 0; j < 3; ++j)
         if (weight.slot[i].R[k][j] != 0.0)
-          km_complex_extend(extent, (km_complex)X->R[k][j]);
+          km_complex_extend(extent, X->R[k][j]);
     }
   }
 }

@@ -4,7 +4,7 @@
 #include "kinematics/loop_closing.h"
 #include "kinematics/loop_equations.h"
 #include "model/joint_type.h"
-#include "space/complex/complex_loops.h"
+#include "space/complex/complex_chain.h"
 #include "space/complex/complex_solve.h"
 
 /* Pivots relative to the first one that count as 0 at a generic configuration: rounding of the elimination. */
@@ -233,6 +233,8 @@ static void allocate(km_complex_closure *c, choice *w, km_arena *arena) {
     if (c->m->programs[c->sub->program_start + i].step_count > steps)
       steps = c->m->programs[c->sub->program_start + i].step_count;
   c->slot = KM_ARENA_NEW(arena, km_complex_pose, (size_t)c->m->largest_slots);
+  c->wide_slot = KM_ARENA_NEW(arena, km_wide_pose, (size_t)c->m->largest_slots);
+  c->displacement = KM_ARENA_NEW(arena, km_loop_displacement, (size_t)c->sub->loop_count);
   c->isotropic = KM_ARENA_NEW(arena, km_isotropic_pose, (size_t)c->m->largest_slots);
   c->wrench = km_arena_alloc(arena, (size_t)c->m->largest_slots, sizeof *c->wrench);
   c->twist = km_arena_alloc(arena, (size_t)(3 * steps), sizeof *c->twist);

@@ -157,6 +157,7 @@ static bool linearise(km_homotopy *h, const km_wide *x, km_complex *section_valu
                               .J = h->J,
                               .stride = stride,
                               .functional = h->has_section ? KM_TRACE : -1,
+                              .is_narrow = h->is_narrow,
                               .gradient = h->has_section ? h->J + n * stride : NULL};
   km_complex s = h->has_section ? (km_complex)x[h->closure->length] : 0.0;
   for (int i = n; i < h->section_start; ++i)
@@ -305,6 +306,7 @@ km_path_outcome km_homotopy_track(km_homotopy *h, const km_complex *from, const 
   double t = 0.0, step = first_step * h->step_factor, last = 0.0;
   km_complex section_value = 0.0;
   km_path_outcome outcome = KM_PATH_ARRIVED;
+  h->is_narrow = h->step_factor == 1.0;
   set_slope(h, from, to);
   set_parameters(h, from, 0.0);
   memcpy(h->point[1], x, bytes);
@@ -321,6 +323,7 @@ km_path_outcome km_homotopy_track(km_homotopy *h, const km_complex *from, const 
     double end = is_last ? 1.0 : t + step;
     predict(h, last, end - t, h->point[2]);
     set_parameters(h, from, end);
+    h->is_narrow = h->step_factor == 1.0 && !is_last;
     double first = correct_step(h, h->point[2], &section_value, is_last);
     if (first == HUGE_VAL) {
       step = 0.4 * (end - t);

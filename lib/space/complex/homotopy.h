@@ -21,6 +21,7 @@ typedef struct km_homotopy {
   km_complex *direction;  /* [n + 4 · loops] v and V; V = 0 if there are errors of positions */
   double functional_size; /* size of y, for the section's c and τ; 1 by default */
   double step_factor;     /* scales the corrections that a step may have; 1 by default, less to track again */
+  bool is_narrow;         /* chains have doubles: on a first try up to its last step, whose end is exact */
   long evaluations;       /* number of factorisations */
   km_complex *turn;       /* [4 · loops] workspace: P + s V */
   km_complex *J, *F, *parameter, *slope, *rates, *step, *rhs; /* workspace */
