@@ -44,8 +44,9 @@ typedef struct modes_search {
 } modes_search;
 
 const char *km_mode_gap_name(km_mode_gap gap) {
-  static const char *const names[] = {"complete", "trace", "lost", "singular", "self-motion", "limit", "stopped"};
-  return gap >= KM_GAP_NONE && gap <= KM_GAP_STOPPED ? names[gap] : "";
+  static const char *const names[] = {"complete",    "trace", "lost",    "singular",
+                                      "self-motion", "limit", "stopped", "refused"};
+  return gap >= KM_GAP_NONE && gap <= KM_GAP_REFUSED ? names[gap] : "";
 }
 
 static const km_substructure *substructure_of(const modes_search *f) {

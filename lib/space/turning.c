@@ -297,7 +297,10 @@ static km_status find_modes(const km_mechanism *m, const km_state *s, turning_se
   const km_all_modes_def all = {.locked = &g->def->driver, .locked_count = 1, .seed = g->def->seed};
   km_progress_stage_next(&g->stage, share_of_modes);
   km_status status = km_all_modes_find(m, s, &all, km_progress_stage_report, &g->stage, modes, error);
-  return status == KM_USAGE ? KM_OK : status;
+  if (status != KM_USAGE)
+    return status;
+  modes->gap = KM_GAP_REFUSED;
+  return KM_OK;
 }
 
 /* Begins the stage of a mode's circuits. */
@@ -328,8 +331,6 @@ static km_status search(turning_search *g, const km_all_modes *modes, km_turning
   }
   out->curve_count = km_surface_curves_count(g->curves);
   out->modes = modes->count > 0 ? modes->count : 1;
-  out->is_complete = modes->is_complete;
-  out->gap = modes->gap;
   if ((!status || status == KM_CANCELLED) && !copy_points(g, out))
     status = km_fail(error, KM_MEMORY, "out of memory for the critical values");
   km_progress_stage_next(&g->stage, 1.0);
@@ -353,11 +354,11 @@ km_status km_turning_find(const km_mechanism *m, const km_state *s, const km_tur
     status = find_modes(m, s, &g, &modes, error);
   if (!status)
     status = search(&g, &modes, out, error);
-  if (status == KM_CANCELLED) {
+  out->is_complete = modes.is_complete;
+  out->gap = modes.gap;
+  out->is_stopped = status == KM_CANCELLED;
+  if (out->is_stopped)
     out->interval_count = 0;
-    out->is_complete = false;
-    out->gap = KM_GAP_STOPPED;
-  }
   km_all_modes_free(&modes);
   km_surface_curves_free(g.curves);
   km_design_number_close(&g.number);

@@ -24,4 +24,10 @@ static inline km_vec3 km_vec3_perpendicular(km_vec3 a) {
   return km_vec3_scale(1.0 / km_vec3_norm(b), b);
 }
 
+/* Unit vector along ±a, with the sign by which its largest component is positive. */
+static inline km_vec3 km_vec3_upright(km_vec3 a) {
+  double largest = fabs(a.x) > fmax(fabs(a.y), fabs(a.z)) ? a.x : fabs(a.y) > fabs(a.z) ? a.y : a.z;
+  return km_vec3_scale(copysign(1.0 / km_vec3_norm(a), largest), a);
+}
+
 #endif

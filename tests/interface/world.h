@@ -37,6 +37,7 @@ typedef struct world {
   km_space_path_def path_def;
   km_space_volume_def volume_def;
   km_space_map map;
+  km_space_volume volume;
   km_map_look map_look;
   int path_driver;
   km_gallery_caption captions[400]; /* the most poses of a grid */

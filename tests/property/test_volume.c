@@ -2,8 +2,10 @@
 #include "support/support.h"
 
 #include "kmech/clearance.h"
+#include "kmech/report.h"
 #include "kmech/space.h"
 #include "kmech/volume.h"
+#include "report/charts/map_axes.h"
 #include "space/volume/moved_point.h"
 
 #include <stdio.h>
@@ -394,6 +396,7 @@ static void a_stopped_search_says_what_it_knows(void **state) {
   const km_space_volume_def def = {.frame = frame_of(&f, "c/tip"), .point_name = "c/tip", .seed = 1};
   assert_int_equal(km_space_volume_find(f.mechanism, f.state, &def, stop_at_half, NULL, &v, &error), KM_CANCELLED);
   assert_false(v.is_complete);
+  assert_true(v.is_stopped);
   assert_true(v.undecided > 0);
   assert_true(v.low <= arm_volume && arm_volume <= v.high);
   km_space_volume_free(&v);
@@ -471,6 +474,45 @@ static void open_loops_are_no_configuration(void **state) {
   fixture_close(&f);
 }
 
+/* A box of 1 × 2 × 4 in 2 × 2 × 2 cells with both samples of the first cell reached: the depth is 2/4 of the extent
+ * along each axis where that cell is, 1/2, 1 and 2, and 0 elsewhere. Each shade is in the bar of colours too. */
+static void a_picture_has_the_depths(void **state) {
+  (void)state;
+  km_space_volume v = {.dimension = 3,
+                       .axis = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.6, 0.8}},
+                       .box_high = {1.0, 2.0, 4.0},
+                       .cells = {2, 2, 2},
+                       .samples = 16,
+                       .reached = 2,
+                       .points = km_table_create()};
+  assert_true(km_table_add_column(v.points, "point.a/b.x", "m") >= 0);
+  for (int k = 1; k < 4; ++k)
+    assert_true(km_table_add_column(v.points, (const char *[]){"", "y", "z", "reached"}[k], "") >= 0);
+  for (int i = 0; i < v.samples; ++i)
+    km_table_add_row(v.points)[3] = i < 2;
+  km_text svg = {0};
+  km_error error;
+  assert_int_equal(km_space_volume_picture(&v, NULL, KM_PICTURE_SVG, &svg, &error), KM_OK);
+  for (int shade = 0; shade < KM_MAP_SHADES; ++shade) {
+    km_colour c = km_map_shade(shade);
+    char fill[40];
+    int count = 0;
+    snprintf(fill, sizeof fill, "fill=\"#%02x%02x%02x\"", (unsigned)lround(255.0 * c.red),
+             (unsigned)lround(255.0 * c.green), (unsigned)lround(255.0 * c.blue));
+    for (const char *at = svg.data; (at = strstr(at, fill)) != NULL; ++at)
+      ++count;
+    assert_int_equal(count, shade == 4 || shade == 8 || shade == 15 ? 2 : 1);
+  }
+  km_text name = {0};
+  km_space_volume_axis_text(&v, 2, &name);
+  assert_string_equal(name.data, "along (0, 0.6, 0.8)");
+  km_text_free(&name);
+  km_text_free(&svg);
+  v.samples = 18;
+  assert_int_equal(km_space_volume_picture(&v, NULL, KM_PICTURE_SVG, &svg, &error), KM_USAGE);
+  km_table_free(v.points);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(an_arm_reaches_a_hollow_ball),
@@ -489,6 +531,7 @@ int main(void) {
       cmocka_unit_test(a_search_stops_before_its_samples),
       cmocka_unit_test(progress_grows_from_the_first_search_on),
       cmocka_unit_test(open_loops_are_no_configuration),
+      cmocka_unit_test(a_picture_has_the_depths),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,6 +2,8 @@
 #include "kspace/kspace.h"
 
 #include "kmech/data.h"
+#include "kmech/inspect.h"
+#include "kmech/model.h"
 
 #include <math.h>
 #include <string.h>
@@ -35,19 +37,34 @@ kt_exit kspace_read_clearance(const kt_common *common, const char *text, const c
   return status ? kt_exit_of(status) : KT_DONE;
 }
 
-void kspace_print_limits(const km_model *model, const int *drivers, int count, km_text *out) {
-  int limited = 0;
-  for (int c = 0; c < km_model_coordinate_count(model); ++c) {
-    double low = -HUGE_VAL, high = HUGE_VAL;
-    km_model_coordinate_limits(model, c, &low, &high);
-    bool is_counted = isfinite(low) || isfinite(high);
-    for (int d = 0; d < count; ++d)
-      is_counted = is_counted && c != drivers[d];
-    limited += is_counted;
+/* True if limits of a coordinate could count: it has some, and moves without being a driver. */
+static bool has_idle_limits(const kt_pose *pose, int c, const int *drivers, int count) {
+  double low = -HUGE_VAL, high = HUGE_VAL;
+  km_model_coordinate_limits(pose->model, c, &low, &high);
+  for (int d = 0; d < count; ++d)
+    if (c == drivers[d])
+      return false;
+  return (isfinite(low) || isfinite(high)) && !km_coordinate_is_held(pose->mechanism, c);
+}
+
+void kspace_print_limits(const kt_pose *pose, const int *drivers, int count, km_text *out) {
+  int limited = 0, counted = -1;
+  for (int c = 0; c < km_model_coordinate_count(pose->model); ++c) {
+    int joint = km_model_coordinate_joint(pose->model, c);
+    if (joint == counted || !has_idle_limits(pose, c, drivers, count))
+      continue;
+    counted = joint;
+    ++limited;
   }
   if (limited > 0)
     km_text_format(out, "joint limits don't count: %d%s joint%s; --limits keeps them\n", limited,
                    count > 0 ? " other" : "", limited == 1 ? " has some" : "s have some");
+}
+
+void kspace_record_completeness(km_mode_gap gap, km_value *record, km_arena *arena) {
+  km_value_boolean(arena, record, "complete", gap == KM_GAP_NONE);
+  if (gap != KM_GAP_NONE)
+    km_value_string(arena, record, "reason", km_mode_gap_name(gap));
 }
 
 bool kspace_read_formats(const kt_common *common, const char *format, const char *among, const char *model,

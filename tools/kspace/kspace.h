@@ -6,6 +6,7 @@
 
 #include "kmech/clearance.h"
 #include "kmech/data.h"
+#include "kmech/space.h"
 
 kt_exit kspace_clearance(int argc, char **argv);
 kt_exit kspace_map(int argc, char **argv);
@@ -41,7 +42,10 @@ kt_exit kspace_read_clearance(const kt_common *common, const char *text, const c
                               km_clearance **out, double *least);
 
 /* Prints how many joints beside the drivers have limits, which don't count; nothing if none has. */
-void kspace_print_limits(const km_model *model, const int *drivers, int count, km_text *out);
+void kspace_print_limits(const kt_pose *pose, const int *drivers, int count, km_text *out);
+
+/* Adds `complete`, and the `reason` if there is a gap. */
+void kspace_record_completeness(km_mode_gap gap, km_value *record, km_arena *arena);
 
 /* Writes BASE.RESULT.csv. */
 kt_exit kspace_write_csv(const kt_common *common, const char *base, const km_table *table, const char *result);

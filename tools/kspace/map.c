@@ -152,12 +152,13 @@ static const km_value *record_map(const void *context, km_arena *arena) {
 
 static void print_map(const void *context, km_text *out) {
   const map_answer *a = context;
-  kspace_print_map(a->pose->model, a->o->model, &a->def, &a->modes, &a->map, out);
+  kspace_print_map(a->pose, a->o->model, &a->def, &a->modes, &a->map, out);
 }
 
-/* True if the list of modes may lack some, or the outline lacks curves. */
+/* True if the work was stopped, the list of modes may lack some, or the outline lacks curves. */
 static bool is_partial(const map_answer *a) {
-  return !a->modes.is_complete || (a->def.has_point && (!isfinite(a->map.workspace_area) || a->map.unbounded > 0));
+  return a->map.is_stopped || !a->modes.is_complete ||
+         (a->def.has_point && (!isfinite(a->map.workspace_area) || a->map.unbounded > 0));
 }
 
 /* Finds the modes and follows the map. */
@@ -169,9 +170,11 @@ static km_status follow_map(map_answer *a, kt_progress *progress, km_error *erro
   km_status status = km_map_modes_find(pose->mechanism, pose->state, axis[0].coordinate, axis[1].coordinate,
                                        a->o->common.seed, km_progress_stage_report, &stage, &a->modes, error);
   km_progress_stage_next(&stage, 1.0);
-  if (!status && a->o->own && a->modes.count > 1)
-    a->modes.count = 1; /* the first one is that of the pose */
-  a->modes.is_complete = a->modes.is_complete || a->o->own;
+  if (!status && a->o->own) { /* the first one is that of the pose */
+    a->modes.count = a->modes.count > 1 ? 1 : a->modes.count;
+    a->modes.is_complete = true;
+    a->modes.gap = KM_GAP_NONE;
+  }
   return status ? status
                 : km_space_map_compute(pose->mechanism, pose->state, &a->def, &a->modes, km_progress_stage_report,
                                        &stage, &a->map, error);
@@ -188,8 +191,6 @@ static kt_exit compute(map_answer *a) {
   if (status == KM_CANCELLED && kt_is_interrupted() && a->map.cells) {
     kt_print_message(&a->o->common, KM_NOTE, "%s: %s; the answer has the finished sheets and the curves found so far",
                      a->o->model, error.text);
-    a->modes.is_complete = false;
-    a->modes.gap = KM_GAP_STOPPED;
     return KT_DONE;
   }
   if (status)

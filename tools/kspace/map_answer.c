@@ -150,8 +150,9 @@ static void print_further_sheets(const km_space_map *map, int modes, km_text *ou
   km_text_add(out, "\n");
 }
 
-void kspace_print_map(const km_model *model, const char *file, const km_space_map_def *def, const km_all_modes *modes,
+void kspace_print_map(const kt_pose *pose, const char *file, const km_space_map_def *def, const km_all_modes *modes,
                       const km_space_map *map, km_text *out) {
+  const km_model *model = pose->model;
   size_t points = (size_t)(def->axis[0].steps + 1) * (size_t)(def->axis[1].steps + 1);
   const int drivers[2] = {def->axis[0].coordinate, def->axis[1].coordinate};
   km_text_format(out, "%s: %d sheet%s over %s and %s, from %d assembly mode%s%s", file, map->sheet_count,
@@ -174,12 +175,12 @@ void kspace_print_map(const km_model *model, const char *file, const km_space_ma
     km_text_format(out, "; %d aspect%s free of both", map->aspect_count, map->aspect_count == 1 ? "" : "s");
   }
   km_text_format(out, "; %zu points\n", km_table_rows(map->curves));
-  if (modes->gap == KM_GAP_STOPPED)
+  if (map->is_stopped)
     km_text_add(out, "stopped: further sheets and curves are missing\n");
   else if (def->has_point)
     print_workspace(model, def, map, out);
   if (!def->within_limits)
-    kspace_print_limits(model, drivers, 2, out);
+    kspace_print_limits(pose, drivers, 2, out);
 }
 
 static void add_place(km_value *to, const char *name, const double *place, km_arena *arena) {
@@ -238,14 +239,12 @@ const km_value *kspace_map_record(const kt_pose *pose, const char *file, const k
     km_value_number(arena, driver, "to", def->axis[d].to);
     km_value_number(arena, driver, "steps", def->axis[d].steps);
   }
-  km_value_boolean(arena, record, "complete", modes->is_complete);
-  if (!modes->is_complete)
-    km_value_string(arena, record, "reason", km_mode_gap_name(modes->gap));
+  kspace_record_completeness(map->is_stopped ? KM_GAP_STOPPED : modes->gap, record, arena);
   km_value_number(arena, record, "modes", modes->count);
   km_value_number(arena, record, "sheets", map->sheet_count);
   km_value_number(arena, record, "aspects", map->aspect_count);
   km_value_number(arena, record, "curves", map->curve_count);
-  if (def->has_point && modes->gap != KM_GAP_STOPPED)
+  if (def->has_point && !map->is_stopped)
     add_workspace(pose->model, def, map, record, arena);
   km_table_record(map->cells, record, arena);
   return arena->failed ? NULL : record;

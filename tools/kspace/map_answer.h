@@ -7,7 +7,7 @@
 #include "kmech/data.h"
 #include "kmech/space.h"
 
-void kspace_print_map(const km_model *model, const char *file, const km_space_map_def *def, const km_all_modes *modes,
+void kspace_print_map(const kt_pose *pose, const char *file, const km_space_map_def *def, const km_all_modes *modes,
                       const km_space_map *map, km_text *out);
 /* NULL: out of memory. */
 const km_value *kspace_map_record(const kt_pose *pose, const char *file, const km_space_map_def *def,

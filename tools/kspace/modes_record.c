@@ -1,4 +1,5 @@
 /* Record and table of kspace modes. */
+#include "kspace/kspace.h"
 #include "kspace/modes_answer.h"
 
 #include "kmech/data.h"
@@ -46,9 +47,7 @@ const km_value *kspace_modes_record(const kspace_modes_answer *a, km_arena *aren
   for (int i = 0; i < a->locked_count; ++i)
     km_value_number(arena, held, km_model_coordinate_label(a->pose->model, a->locked[i]),
                     km_state_coordinate(a->pose->state, a->locked[i]));
-  km_value_boolean(arena, record, "complete", m->is_complete);
-  if (!m->is_complete)
-    km_value_string(arena, record, "reason", km_mode_gap_name(m->gap));
+  kspace_record_completeness(m->gap, record, arena);
   km_value_number(arena, record, "complex_solutions", m->complex_solutions);
   km_value_number(arena, record, "section_points", m->section_points);
   km_value_number(arena, record, "trace_difference", m->trace_difference);

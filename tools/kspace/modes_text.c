@@ -62,6 +62,8 @@ static void print_gap(const km_all_modes *m, km_text *out) {
     km_text_format(out, "at least these: the search was stopped; %d complex solution%s known\n", m->complex_solutions,
                    m->complex_solutions == 1 ? " is" : "s are");
     break;
+  case KM_GAP_REFUSED: /* an error of kspace modes */
+    break;
   }
 }
 

@@ -139,7 +139,7 @@ static kt_exit write_format(const void *context, kt_format format, const km_text
   if (a->turning.curve_count > 0)
     return write_picture(a, format);
   kt_print_message(common, KM_NOTE, "%s: no picture: there is no dead point%s", a->o->model,
-                   a->turning.gap == KM_GAP_STOPPED ? " so far" : "");
+                   a->turning.is_stopped ? " so far" : "");
   return KT_DONE;
 }
 
@@ -168,7 +168,7 @@ static kt_exit run(const options *o, const kt_pose *pose, const km_turning_def *
     kt_print_message(&o->common, is_stopped ? KM_NOTE : KM_ERROR, "%s: %s%s", o->model, error.text,
                      is_stopped ? "; the answer has the curves found so far" : "");
   kt_exit result = status && !is_stopped ? kt_exit_of(status) : kspace_deliver(&o->common, &o->files, &forms);
-  if (result == KT_DONE && !a.turning.is_complete)
+  if (result == KT_DONE && (!a.turning.is_complete || a.turning.is_stopped))
     result = KT_PARTIAL;
   km_turning_free(&a.turning);
   return result;
@@ -205,7 +205,7 @@ kt_exit kspace_turning(int argc, char **argv) {
       "motions cross, a circuit appears or vanishes, or two dead points meet. What is said of an interval was found in "
       "its middle, on the circuit of the pose. A circuit that is at none of the N values is not found. Limits are ignored. "
       "Columns of the table: curve, number, critical (0: none, 1: crossing, 2: isolated, 3: cusp), q. of each joint. JSON "
-      "keys beside those of every record: driver, number, from, to, complete, reason (as that of modes), modes, intervals (from, to, motion: turns, "
+      "keys beside those of every record: driver, number, from, to, complete, reason (as that of modes, or refused: the modes can't be listed), modes, intervals (from, to, motion: turns, "
       "swings, endless, not found, not assembled, not defined; low, high, dead_points), critical_values (number, driver, "
       "kind, curve), curves, and the table's columns and rows. Exit status 1: the list of assembly modes may lack some, and so the curves; or Ctrl-C ended the work: "
       "the curves and critical values found so far are written. Other numbers of "

@@ -1,6 +1,8 @@
 /* Record and text of kspace turning. */
 #include "kspace/turning_answer.h"
 
+#include "kspace/kspace.h"
+
 #include "kmech/inspect.h"
 #include "kmech/model.h"
 #include "kmech/report.h"
@@ -91,7 +93,7 @@ void kspace_print_turning(const km_model *model, const km_turning_def *def, cons
   const char *driver = km_model_coordinate_label(model, def->driver);
   const char *unit = km_model_coordinate_unit(model, def->driver);
   km_text_format(out, "%s: ", def->file);
-  if (t->gap == KM_GAP_STOPPED)
+  if (t->is_stopped)
     km_text_format(out, "stopped: dead points of %s so far, for %s from %.6g to %.6g\n", driver, def->path, def->from,
                    def->to);
   else if (km_model_coordinate_is_length(model, def->driver))
@@ -135,9 +137,7 @@ const km_value *kspace_turning_record(const kt_pose *pose, const km_turning_def 
   km_value_string(arena, record, "number", def->path);
   km_value_number(arena, record, "from", def->from);
   km_value_number(arena, record, "to", def->to);
-  km_value_boolean(arena, record, "complete", t->is_complete);
-  if (!t->is_complete && t->gap != KM_GAP_NONE)
-    km_value_string(arena, record, "reason", km_mode_gap_name(t->gap));
+  kspace_record_completeness(t->is_stopped ? KM_GAP_STOPPED : t->gap, record, arena);
   km_value_number(arena, record, "modes", t->modes);
   km_value *intervals = km_value_add(arena, record, "intervals", KM_LIST);
   for (int i = 0; i < t->interval_count && !arena->failed; ++i)

@@ -26,35 +26,26 @@ typedef struct volume_answer {
 
 /* ---- Record and text. */
 
-/* Prints the extent of the box along an axis: x, y or z, if it is one of them, turned or not. */
-static void print_side(const km_space_volume *v, int k, const char *unit, km_text *out) {
-  const double *a = v->axis[k];
-  double low = v->box_low[k], high = v->box_high[k];
-  int axis = 0;
-  while (axis < 3 && fabs(a[axis]) != 1.0)
-    ++axis;
-  km_text_add(out, k == 0 ? "box: " : ", ");
-  if (axis == 3)
-    km_text_format(out, "along (%.6g, %.6g, %.6g) %.6g to %.6g %s", a[0], a[1], a[2], low, high, unit);
-  else if (a[axis] > 0.0)
-    km_text_format(out, "%c %.6g to %.6g %s", "xyz"[axis], low, high, unit);
-  else
-    km_text_format(out, "%c %.6g to %.6g %s", "xyz"[axis], -high, -low, unit);
+/* "box: x -1 to 1 m, y …" */
+static void print_box(const km_space_volume *v, const char *unit, km_text *out) {
+  for (int k = 0; k < v->dimension; ++k) {
+    km_text_add(out, k == 0 ? "box: " : ", ");
+    km_space_volume_axis_text(v, k, out);
+    km_text_format(out, " %.6g to %.6g %s", v->box_low[k], v->box_high[k], unit);
+  }
+  km_text_add(out, "\n");
 }
 
 static void print_volume(const void *context, km_text *out) {
   const volume_answer *a = context;
   const km_space_volume *v = &a->volume;
-  const char *unit = km_model_units(a->pose->model).length->suffix, *power = v->dimension == 3 ? "³" : "²";
-  km_text_format(out, "%s: workspace of %s: %s %.6g %s%s, 95 %% interval %.6g to %.6g %s%s\n", a->o->model, a->o->point,
-                 v->dimension == 3 ? "volume" : "area", v->volume, unit, power, v->low, v->high, unit, power);
-  km_text_format(out, "%d samples: %d reached, %d not reached, %d undecided\n", v->samples, v->reached, v->not_reached,
-                 v->undecided);
-  for (int k = 0; k < v->dimension; ++k)
-    print_side(v, k, unit, out);
-  km_text_add(out, "\n");
+  km_text_format(out, "%s: workspace of %s: ", a->o->model, a->o->point);
+  km_space_volume_text(v, out);
+  km_text_format(out, "\n%d samples: %d reached, %d not reached, %d undecided\n", v->samples, v->reached,
+                 v->not_reached, v->undecided);
+  print_box(v, km_model_units(a->pose->model).length->suffix, out);
   if (!a->def.within_limits)
-    kspace_print_limits(a->pose->model, NULL, 0, out);
+    kspace_print_limits(a->pose, NULL, 0, out);
 }
 
 static const km_value *record_volume(const void *context, km_arena *arena) {
@@ -68,6 +59,8 @@ static const km_value *record_volume(const void *context, km_arena *arena) {
   km_value_number(arena, record, "low", v->low);
   km_value_number(arena, record, "high", v->high);
   km_value_boolean(arena, record, "complete", v->is_complete);
+  if (!v->is_complete)
+    km_value_string(arena, record, "reason", v->is_stopped ? "stopped" : "box");
   km_value_number(arena, record, "samples", v->samples);
   km_value_number(arena, record, "reached", v->reached);
   km_value_number(arena, record, "not_reached", v->not_reached);
@@ -87,10 +80,30 @@ static const km_value *record_volume(const void *context, km_arena *arena) {
   return arena->failed ? NULL : record;
 }
 
+static kt_exit write_picture(const volume_answer *a, kt_format format) {
+  char name[256];
+  kt_base_name(a->o->model, name, sizeof name);
+  km_text title = {0}, out = {0};
+  km_error error;
+  km_text_format(&title, "%s: workspace of %s", name, a->o->point);
+  km_status status = title.failed
+                         ? km_fail(&error, KM_MEMORY, "out of memory for the picture")
+                         : km_space_volume_picture(&a->volume, title.data, kt_picture_format(format), &out, &error);
+  if (status)
+    kt_print_message(&a->o->common, KM_ERROR, "%s: %s", a->o->model, error.text);
+  kt_exit result =
+      status ? kt_exit_of(status) : kt_write(&a->o->common, a->o->files.base, "volume", kt_format_word(format), &out);
+  km_text_free(&title);
+  km_text_free(&out);
+  return result;
+}
+
 static kt_exit write_format(const void *context, kt_format format, const km_text *record) {
   const volume_answer *a = context;
-  return format == KT_CSV ? kspace_write_csv(&a->o->common, a->o->files.base, a->volume.points, "volume")
-                          : kt_write(&a->o->common, a->o->files.base, "volume", "json", record);
+  const kt_common *common = &a->o->common;
+  return format == KT_CSV    ? kspace_write_csv(common, a->o->files.base, a->volume.points, "volume")
+         : format == KT_JSON ? kt_write(common, a->o->files.base, "volume", "json", record)
+                             : write_picture(a, format);
 }
 
 /* ---- The command. */
@@ -156,13 +169,14 @@ kt_exit kspace_volume(int argc, char **argv) {
        "those of kspace clearance",
        KT_TEXT, &o.clearance, KT_ABOUT_MODEL},
       {"format", 0, "FORMATS",
-       "Files to write: some of csv,json (with -o, unless stated: csv); json without -o: a record in place of the text",
-       KT_TEXT_OF("csv or json"), &o.format, KT_ABOUT_FILES},
+       "Files to write: some of csv,json,svg,pdf,png (with -o, unless stated: csv,svg); json without -o: a record in place of the text",
+       KT_TEXT_OF("csv or json or svg or pdf or png"), &o.format, KT_ABOUT_FILES},
       KT_SET(&o.sets, "Start from another pose: move a joint to a value"),
       KT_HOLD(&o.holds, KT_HOLD_RIGID),
       KT_POSE(o.common),
-      KT_BASE(&o.files.base,
-              "Write the samples to BASE.volume.csv (default where --format states a file: the model's name)"),
+      KT_BASE(
+          &o.files.base,
+          "Write the samples to BASE.volume.csv and a picture to BASE.volume.svg (default where --format states a file: the model's name)"),
   };
   KT_OPTIONS_ADD(&all, own);
   all.operand = (kt_operand){"model", "MODEL", true, &o.model, NULL};
@@ -178,13 +192,15 @@ kt_exit kspace_volume(int argc, char **argv) {
       "counts for the upper end of the interval only. The standard error is that of stratified samples: it comes from "
       "the cells of which one sample is reached. Four times as many samples shorten the interval to two fifths of its "
       "length in space, and to a third in a plane. A point with fewer freedoms, or one that moves on a curved surface "
-      "or without end, is refused. "
+      "or without end, is refused. The picture shows the workspace along each axis: the colours are its depth there, in a "
+      "plane the share of samples that are reached. "
       "Columns of the table: point. x, y, z, reached (1, 0, or -1: undecided), q. of each joint where it is reached. JSON "
-      "keys beside those of every record: point, dimension, volume or area, standard_error, low, high, complete, samples, "
+      "keys beside those of every record: point, dimension, volume or area, standard_error, low, high, complete, reason "
+      "(stopped or box), samples, "
       "reached, not_reached, undecided, split_cells, box (axis, from, to, cells), columns and rows. Exit status 1: Ctrl-C "
       "ended the work, and other samples count as undecided; or samples enlarged the box to the last.",
       argc, argv);
-  if (!kspace_read_formats(&o.common, o.format, "csv,json", o.model, &o.files))
+  if (!kspace_read_formats(&o.common, o.format, "csv,json,svg,pdf,png", o.model, &o.files))
     return KT_USAGE;
   if (!o.point)
     return kt_usage(&o.common, "--point", "is missing", "BODY/FRAME, the point");

@@ -8,6 +8,7 @@ import numpy
 from ._kmech import ffi, lib
 from .errors import UsageError, check, new_error, text_of
 from .mechanism import Mechanism, State
+from .picture import Picture
 from .progress import Progress, Watch
 from .table import Table, table_of
 
@@ -242,7 +243,7 @@ def turning(mechanism: Mechanism, state: State, driver: str, path: str, low: flo
 class SpaceVolume(NamedTuple):
     """The size of a point's workspace: a volume, or with dimension 2 an area in a plane; with standard error and 95 % interval. table:
     point. x y z, reached (1, 0, -1: undecided), q. of every coordinate; a row for each sample. axes and box: unit vectors, and
-    (from, to) along each."""
+    (from, to) along each. picture: its views along the axes, save("name.svg")."""
 
     dimension: int
     volume: float
@@ -257,6 +258,7 @@ class SpaceVolume(NamedTuple):
     box: Tuple[Tuple[float, float], ...]
     table: Table
     complete: bool
+    picture: Picture
 
 
 def space_volume(mechanism: Mechanism, state: State, point: str, samples: int, own: bool, limits: bool, clearance: Optional[float],
@@ -274,9 +276,14 @@ def space_volume(mechanism: Mechanism, state: State, point: str, samples: int, o
     watch.finish()
     check(status, error)
     sides = range(found.dimension)
+
+    def draw(format: int, out: Any, error: Any) -> int:
+        return lib.km_space_volume_picture(found, ffi.new("char[]", f"Workspace of {point}".encode()), format, out, error)
+
     return SpaceVolume(found.dimension, found.volume, found.standard_error, found.low, found.high, found.samples, found.reached,
                        found.not_reached, found.undecided, tuple(tuple(found.axis[k]) for k in sides),
-                       tuple((found.box_low[k], found.box_high[k]) for k in sides), table_of(found.points, found), found.is_complete)
+                       tuple((found.box_low[k], found.box_high[k]) for k in sides), table_of(found.points, found), found.is_complete,
+                       Picture(draw))
 
 
 class SpacePath(NamedTuple):

@@ -425,6 +425,7 @@ def test_space_volume(source):
     assert area.dimension == 2 and area.complete and area.low < 3.559617 < area.high
     assert area.reached == list(area.table["reached"]).count(1.0) and len(area.table["reached"]) == area.samples
     assert area.axes == ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)) and area.box[0] == pytest.approx((-0.51, 1.51), abs=1e-4)
+    assert area.picture.data("svg").startswith(b"<?xml") and area.picture.data("pdf").startswith(b"%PDF")
     with pytest.raises(kmech.UsageError, match="1 freedom;"):
         mechanism.space_volume("crank2/D", samples=100)
     with pytest.raises(kmech.UsageError, match="no clearance to compute"):

@@ -13,6 +13,7 @@
 #include "kmech/statics.h"
 #include "kmech/study.h"
 #include "kmech/transfer.h"
+#include "kmech/volume.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -247,6 +248,18 @@ KM_API km_status km_space_map_picture(const km_mechanism *mechanism, const km_sp
  * km_space_map_picture. O(cells + points of curves). */
 KM_API km_status km_space_map_page(const km_mechanism *mechanism, const km_space_map_def *def, const km_space_map *map,
                                    const km_map_look *look, km_text *out, km_error *error);
+
+/* Appends "volume 0.1372 m³, 95 % interval 0.1365 to 0.1379 m³", or an area, and how many samples are undecided.
+ * Nothing without samples. */
+KM_API void km_space_volume_text(const km_space_volume *volume, km_text *out);
+/* Appends the name of an axis of a workspace: "x", "y", "z", or "along (0.6, 0, 0.8)". Nothing without such an axis. */
+KM_API void km_space_volume_axis_text(const km_space_volume *volume, int axis, km_text *out);
+/* Appends a picture of a workspace (km_space_volume_find): its views along the three axes, whose colours are the depth of
+ * the workspace along the line of sight; in a plane the share of the samples that are reached. All axes have one scale,
+ * unless one would be too short to be read. The colours survive a grey print and colour blindness. title: NULL:
+ * "Workspace". KM_USAGE: no samples; KM_MEMORY. O(samples). */
+KM_API km_status km_space_volume_picture(const km_space_volume *volume, const char *title, km_picture_format format,
+                                         km_text *out, km_error *error);
 
 /* Report about an answer to "advantage" with option `transmission`, or to "forces": configurations, curves, tables.
  * `stopped_by`: km_sweep_stop_text. `html`: one self-contained file, otherwise PDF pages. Appends the bytes.

@@ -25,9 +25,10 @@ typedef enum km_mode_gap {
   KM_GAP_SINGULAR, /* singular solutions: several may coincide, or the solutions there are curves */
   KM_GAP_MOVES,    /* a mode moves, although all held joints stay: the modes there are samples of a self-motion */
   KM_GAP_LIMIT,    /* the search ended at its limit of solutions or of work */
-  KM_GAP_STOPPED   /* `progress` ended the search: the modes are those of the solutions found until then */
+  KM_GAP_STOPPED,  /* `progress` ended the search: the modes are those of the solutions found until then */
+  KM_GAP_REFUSED   /* km_all_modes_find refuses the mechanism: the state's own mode alone */
 } km_mode_gap;
-/* Returns "complete", "trace", "lost", "singular", "self-motion", "limit", "stopped"; "" for another value. */
+/* Returns "complete", "trace", "lost", "singular", "self-motion", "limit", "stopped", "refused"; "" for another value. */
 KM_API const char *km_mode_gap_name(km_mode_gap gap);
 
 /* Evidence of one assembly mode. */
@@ -234,6 +235,7 @@ typedef struct km_space_map {
   int checked;                     /* grid points of which that was checked, at most 2 000 */
   km_aspect_workspace *workspaces; /* [workspace_count] by aspect */
   int workspace_count;             /* aspects; 0: no point */
+  bool is_stopped; /* `progress` ended the search: there are the finished sheets and the curves found until then */
 } km_space_map;
 
 /* Finds the modes from which a map begins: those of the parts that its drivers `first` and `second` move, with the
@@ -314,8 +316,9 @@ typedef struct km_turning {
   km_turning_interval *intervals; /* [interval_count] from `from` to `to` */
   int modes;                      /* assembly modes from which circuits were followed */
   bool is_complete;               /* these are all modes of the model at its own number */
-  km_mode_gap gap; /* reason why they may not be all; KM_GAP_STOPPED: `progress` ended the search, curves and critical
-                    * values are those found until then, and there are no intervals */
+  km_mode_gap gap;                /* reason why they may not be all */
+  bool is_stopped; /* `progress` ended the search: curves and critical values are those found until then, and there are
+                    * no intervals */
 } km_turning;
 
 /* Follows the dead points of a driver, det A = 0, over the configurations and one number of the design: curves of

@@ -36,7 +36,7 @@ typedef struct km_space_volume_def {
 } km_space_volume_def;
 
 /* Size of a workspace. Axes are along those of the inertial frame, in a plane x or y projected to it and the one
- * orthogonal to it; lengths in the model's unit. */
+ * orthogonal to it, with a positive largest component; lengths in the model's unit. */
 typedef struct km_space_volume {
   int dimension;                  /* 3: `volume` is one; 2: it is an area in a plane */
   double volume;                  /* estimate, without undecided samples */
@@ -53,8 +53,10 @@ typedef struct km_space_volume {
   int configurations;             /* known configurations from which the point was moved */
   bool is_complete;               /* no attempts were left, and motions from the reached samples found no larger
                                    * box */
+  bool is_stopped;                /* the caller ended the work */
   km_table *points;               /* point. x y z, reached (1, 0, −1: undecided), q. of every coordinate where it is
-                                   * reached, else NaN: a row for each sample */
+                                   * reached, else NaN: a row for each sample, two for each cell, cells along
+                                   * the first axis first */
 } km_space_volume;
 
 /* Finds how large the workspace of a point is. The box is found by moving the point along each axis from many

@@ -497,6 +497,7 @@ km_status km_space_map_compute(const km_mechanism *m, const km_state *s, const k
     status = prepare_grid(&g, error);
   if (!status)
     status = find(&g, modes, error);
+  out->is_stopped = status == KM_CANCELLED;
   km_surface_curves_free(g.curves);
   km_arena_free(&g.arena);
   km_state_free(g.f.s);

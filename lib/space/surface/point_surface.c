@@ -53,12 +53,6 @@ static double extent_of(const km_vec3 *places, int count, km_vec3 mean) {
   return extent;
 }
 
-/* Unit vector with the sign by which its largest component is positive. */
-static km_vec3 unit_normal(km_vec3 b) {
-  double largest = fabs(b.x) > fmax(fabs(b.y), fabs(b.z)) ? b.x : fabs(b.y) > fabs(b.z) ? b.y : b.z;
-  return km_vec3_scale(copysign(1.0 / km_vec3_norm(b), largest), b);
-}
-
 km_status km_point_surface_fit(const km_vec3 *places, int count, km_point_surface *out, km_error *error) {
   km_arena arena = {0};
   double *A = KM_ARENA_NEW(&arena, double, TERMS *(size_t)count),
@@ -89,7 +83,7 @@ km_status km_point_surface_fit(const km_vec3 *places, int count, km_point_surfac
   double a = Vt[3];
   km_vec3 b = {Vt[TERMS + 3], Vt[2 * TERMS + 3], Vt[3 * TERMS + 3]};
   if (fabs(a) <= curved * km_vec3_norm(b)) {
-    km_point_surface_set_plane(out, unit_normal(b), mean);
+    km_point_surface_set_plane(out, km_vec3_upright(b), mean);
     return KM_OK;
   }
   km_vec3 centre = km_vec3_scale(-0.5 / a, b); /* scaled places y have |y − centre|² = |centre|² + mean_square */
@@ -98,7 +92,7 @@ km_status km_point_surface_fit(const km_vec3 *places, int count, km_point_surfac
   for (int i = 0; i < 3; ++i)
     if (fabs(out->origin[i]) <= rounding * out->radius)
       out->origin[i] = 0.0;
-  km_point_surface_turn(out, unit_normal((km_vec3){0.36, 0.48, 0.80}));
+  km_point_surface_turn(out, km_vec3_upright((km_vec3){0.36, 0.48, 0.80}));
   return KM_OK;
 }
 

@@ -14,6 +14,7 @@
 #include <string.h>
 
 enum { MOST_BOXES = 5 /* the examples of models/ take one or two */, MOST_JOBS = 64 };
+static const double later_boxes = 0.2; /* share of the remaining progress that a box leaves to those after it */
 static const double quantile = 1.959963984540054; /* 0.975 of the normal distribution */
 
 static km_status no_memory(km_error *error) {
@@ -167,6 +168,7 @@ static km_status decide_boxes(km_volume_search *g, km_error *error) {
   km_status status = km_volume_find_box(g, &is_grown, error);
   for (int i = 0; !status && is_grown && i < MOST_BOXES; ++i) {
     choose_cells(g);
+    km_progress_stage_next(&g->stage, 1.0 - (1.0 - g->stage.to) * later_boxes);
     status = allocate_samples(g) ? km_volume_decide(g, error) : no_memory(error);
     if (!status)
       status = km_volume_find_box(g, &is_grown, error);
@@ -185,7 +187,8 @@ static km_status search(km_volume_search *g, const km_state *state, km_error *er
   }
   if (!status)
     status = decide_boxes(g, error);
-  if (status && (status != KM_CANCELLED || out->samples == 0))
+  out->is_stopped = status == KM_CANCELLED;
+  if (status && (!out->is_stopped || out->samples == 0))
     return status;
   estimate(g);
   for (int k = 0; k < out->dimension; ++k)
@@ -218,8 +221,7 @@ km_status km_space_volume_find(const km_mechanism *m, const km_state *s, const k
                         .jobs = def->jobs < 1           ? 1
                                 : def->jobs > MOST_JOBS ? MOST_JOBS
                                                         : def->jobs,
-                        .progress = progress,
-                        .context = context};
+                        .stage = {.progress = progress, .context = context}};
   status = create_points(&g, m, error);
   if (!status)
     status = search(&g, s, error);

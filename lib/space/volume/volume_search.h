@@ -52,8 +52,7 @@ typedef struct km_volume_search {
   double *saved;                /* [sample][saved_size] configurations of those reached */
   int *open, open_count;        /* samples of the present round */
   int share_first, share_count; /* range of the present share in `open` */
-  km_progress progress;         /* NULL: none */
-  void *context;
+  km_progress_stage stage;      /* the first configurations, then the samples of each box */
 } km_volume_search;
 
 /* Adds the configuration of a point. False when out of memory. */
@@ -69,8 +68,8 @@ static inline uint64_t km_volume_random(const km_volume_search *g, int number) {
 /* Moves along each axis from the configurations that are farthest there. *is_grown: the box was too small. KM_USAGE: it
  * has no end. KM_CANCELLED: *is_grown is as before. */
 km_status km_volume_find_box(km_volume_search *g, bool *is_grown, km_error *error);
-/* Reports progress: that of the first configurations is a part of it. KM_CANCELLED: the caller ends the work. */
-km_status km_volume_report(const km_volume_search *g, double done, km_error *error);
+/* Reports progress of the present stage. KM_CANCELLED: the caller ends the work. */
+km_status km_volume_report(km_volume_search *g, double done, km_error *error);
 /* Decides the samples of the box. */
 km_status km_volume_decide(km_volume_search *g, km_error *error);
 

@@ -38,11 +38,11 @@ bool km_volume_add_known(km_volume_search *g, const double *x, const double *sav
   return true;
 }
 
-km_status km_volume_report(const km_volume_search *g, double done, km_error *error) {
-  bool has_samples = g->out->samples > 0;
-  if (!g->progress || g->progress(g->context, has_samples ? start_part + (1.0 - start_part) * done : start_part * done))
+km_status km_volume_report(km_volume_search *g, double done, km_error *error) {
+  if (km_progress_stage_report(&g->stage, done))
     return KM_OK;
-  return km_fail(error, KM_CANCELLED, "stopped before %s decided", has_samples ? "all samples were" : "any sample was");
+  return km_fail(error, KM_CANCELLED, "stopped before %s decided",
+                 g->out->samples > 0 ? "all samples were" : "any sample was");
 }
 
 /* ---- Searches for configurations, each of which depends on its number alone. */
@@ -52,7 +52,6 @@ typedef enum outcome { OUTCOME_NONE, OUTCOME_FOUND, OUTCOME_ENDLESS, OUTCOME_NO_
 typedef struct search_group {
   km_volume_search *g;
   int first, count;             /* their numbers */
-  double begin, end;            /* part of the progress before them, and after */
   const int *from;              /* [count] known configurations at which searches for extrema begin */
   double *saved;                /* [count][saved_size] configurations found */
   double (*x)[3];               /* [count] their points */
@@ -106,7 +105,7 @@ static km_status search_shares(search_group *s, km_error *error) {
   for (s->share_first = 0; !status && s->share_first < s->count; s->share_first += s->share_count) {
     int left = s->count - s->share_first;
     s->share_count = left < most ? left : most;
-    status = km_volume_report(s->g, s->begin + (s->end - s->begin) * s->share_first / s->count, error);
+    status = km_volume_report(s->g, (double)s->share_first / s->count, error);
     if (!status)
       km_parallel_for(s->g->jobs, s->g->jobs, search_share, s);
   }
@@ -199,7 +198,7 @@ static void set_plane(km_volume_search *g, const km_vec3 *directions) {
   km_point_surface plane;
   km_point_surface_set_plane(&plane, n, km_vec3_from_array(g->known[0].x));
   for (int k = 0; k < 2; ++k)
-    axis[k] = km_vec3_from_array(plane.axis[k]);
+    axis[k] = km_vec3_upright(km_vec3_from_array(plane.axis[k]));
   g->origin = km_vec3_from_array(plane.origin);
   for (int j = 0; j < g->jobs; ++j) {
     g->point[j].dimension = 2;
@@ -232,20 +231,16 @@ static km_status find_plane(km_volume_search *g, km_error *error) {
 
 km_status km_volume_start(km_volume_search *g, const km_state *state, km_error *error) {
   km_status status = add_home(g, state, error);
-  search_group closures = {.g = g, .count = CLOSURES, .end = closures_end, .find = find_closure};
+  search_group closures = {.g = g, .count = CLOSURES, .find = find_closure};
+  km_progress_stage_next(&g->stage, start_part * closures_end);
   if (!status && !g->def->own_circuit)
     status = add_found(&closures, error);
   if (!status && g->known_count == 0)
     status = km_fail(error, KM_NO_RESULT, "no configuration was found%s%s",
                      g->def->within_limits ? " within the limits" : "", g->def->clearance ? " with the clearance" : "");
   for (int first = 0; !status && first < MOTIONS; first += GROUP) {
-    const double part = (1.0 - closures_end) / MOTIONS;
-    search_group motions = {.g = g,
-                            .first = first,
-                            .count = GROUP,
-                            .begin = closures_end + part * first,
-                            .end = closures_end + part * (first + GROUP),
-                            .find = find_by_motion};
+    search_group motions = {.g = g, .first = first, .count = GROUP, .find = find_by_motion};
+    km_progress_stage_next(&g->stage, start_part * (closures_end + (1.0 - closures_end) * (first + GROUP) / MOTIONS));
     status = add_found(&motions, error);
   }
   return status ? status : find_plane(g, error);
@@ -302,8 +297,7 @@ km_status km_volume_find_box(km_volume_search *g, bool *is_grown, km_error *erro
   double low[3], high[3];
   for (int end = 0; end < 2 * dimension; ++end)
     choose_starts(g, end / 2, end % 2 == 0 ? -1.0 : 1.0, from + end * EXTREMA);
-  search_group extrema = {
-      .g = g, .count = 2 * dimension * EXTREMA, .begin = 1.0, .end = 1.0, .from = from, .find = find_extremum};
+  search_group extrema = {.g = g, .count = 2 * dimension * EXTREMA, .from = from, .find = find_extremum};
   km_status status = search_all(&extrema, error);
   if (!status)
     status = find_extent(g, &extrema, low, high, error);
