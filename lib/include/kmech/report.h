@@ -254,9 +254,9 @@ KM_API km_status km_space_map_page(const km_mechanism *mechanism, const km_space
 KM_API void km_space_volume_text(const km_space_volume *volume, km_text *out);
 /* Appends the name of an axis of a workspace: "x", "y", "z", or "along (0.6, 0, 0.8)". Nothing without such an axis. */
 KM_API void km_space_volume_axis_text(const km_space_volume *volume, int axis, km_text *out);
-/* Appends a picture of a workspace (km_space_volume_find): its views along the three axes, whose colours are the depth of
- * the workspace along the line of sight; in a plane the share of the samples that are reached. All axes have one scale,
- * unless one would be too short to be read. The colours survive a grey print and colour blindness. title: NULL:
+/* Appends a picture of a workspace (km_space_volume_find): its views along the three axes, whose colours are the depth
+ * of the workspace along the line of sight; in a plane the share of the samples that are reached. All axes have one
+ * scale, unless one would be too short to be read. The colours survive a grey print and colour blindness. title: NULL:
  * "Workspace". KM_USAGE: no samples; KM_MEMORY. O(samples). */
 KM_API km_status km_space_volume_picture(const km_space_volume *volume, const char *title, km_picture_format format,
                                          km_text *out, km_error *error);

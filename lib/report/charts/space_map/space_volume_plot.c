@@ -36,7 +36,8 @@ typedef struct view {
   int across, up, along;
 } view;
 
-static const view views[] = {{0, 2, 1}, {1, 2, 0}, {0, 1, 2}}; /* above left, above right, below left */
+/* The views at the upper left, the upper right and the lower left of the page. */
+static const view views[] = {{0, 2, 1}, {1, 2, 0}, {0, 1, 2}};
 
 static view view_of(const volume_picture *p, int number) {
   return p->v->dimension == 3 ? views[number] : (view){0, 1, -1};
