@@ -158,13 +158,8 @@ static km_status answer_modes(km_question *q, km_state *s, km_error *error) {
   km_all_modes_def def = {.within_limits = limits && limits->flag, .seed = SEED};
   km_all_modes modes = {0};
   km_mode_circuits circuits = {0};
-  km_progress_stage stage = {.progress = q->progress, .context = q->context};
   def.locked_count = count_locked(q, &def.locked, &driver);
-  km_progress_stage_next(&stage, 0.8);
-  km_status status = km_all_modes_find(q->m, s, &def, km_progress_stage_report, &stage, &modes, error);
-  km_progress_stage_next(&stage, 1.0);
-  if (!status)
-    status = km_mode_circuits_find(q->m, s, &def, &modes, km_progress_stage_report, &stage, &circuits, error);
+  km_status status = km_modes_and_circuits_find(q->m, s, &def, q->progress, q->context, &modes, &circuits, error);
   if (!status) {
     o->gap = modes.gap;
     o->is_lost = circuits.gap == KM_CIRCUIT_GAP_LOST;

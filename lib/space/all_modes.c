@@ -15,7 +15,8 @@
 #include <string.h>
 
 enum { MOST_STARTS = 1000 /* random configurations, where the state doesn't close */ };
-/* Parts of the work: solutions over the complex numbers, their way to the closed loops; the list is the rest. */
+/* Parts of the work: solutions over the complex numbers, which take 0.3 to 0.9 of the time in models/, and their way to
+ * the closed loops; the list is the rest. */
 static const double share_of_graph = 0.8, share_of_ends = 0.15;
 
 /* One mode before the result is written. */
@@ -179,8 +180,10 @@ static km_status note_stop(modes_search *f, km_status status) {
 
 /* Judges a singular mode: it moves, unless no finite motion leads on. A stopped judgement counts as moving. */
 static km_status judge_motion(modes_search *f, km_mode_evidence *evidence, km_error *error) {
-  km_finite_mobility finite;
-  km_status status = km_finite_mobility_find(f->m, f->s, km_progress_stage_report, &f->stage, &finite, error);
+  km_finite_mobility finite = {0};
+  km_status status = f->is_stopped
+                         ? KM_CANCELLED
+                         : km_finite_mobility_find(f->m, f->s, km_progress_stage_report, &f->stage, &finite, error);
   evidence->moves = status == KM_CANCELLED || (!status && (finite.undecided || finite.mobility > f->passive));
   km_finite_mobility_free(&finite);
   return note_stop(f, status);

@@ -112,9 +112,10 @@ static double along_at(double s, void *context) {
 /* True if the last step of a motion with spinning rods, of this length, passed its start. *beyond: how far. `before`:
  * the part along the first step where the last one began; it is then that of its end. */
 static bool has_returned(km_driver_circuit *g, km_arc_motion *motion, double step, double *before, double *beyond) {
-  double distance = difference_from_start(g), start = *before, after = along_first_step(g);
+  difference_from_start(g);
+  double start = *before, after = along_first_step(g);
   *before = after;
-  if (!(start < 0.0 && after >= 0.0) || distance > 2.0 * step)
+  if (!(start < 0.0 && after >= 0.0))
     return false;
   sampled_motion at = {g, motion};
   double root = km_locate_root(along_at, &at, -step, 0.0, start, after);

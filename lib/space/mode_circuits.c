@@ -25,6 +25,7 @@ enum {
   MOST_BRANCH_POINTS = 200, /* branch points of all curves */
   MOST_REFINEMENTS = 8      /* Newton steps to a crossing */
 };
+static const double share_of_modes = 0.8;      /* models/ spend 0.5 to 1 of the time on modes */
 static const double far_slide = 100.0;         /* displacement of a slide at infinity, sizes of the substructure */
 static const double longest_curve = 5000.0;    /* arc length of a curve in one sense */
 static const double shortest_return = 0.1;     /* least arc length of a closed curve */
@@ -492,4 +493,20 @@ void km_mode_circuits_free(km_mode_circuits *circuits) {
     return;
   km_free(circuits->circuit);
   *circuits = (km_mode_circuits){0};
+}
+
+km_status km_modes_and_circuits_find(const km_mechanism *m, const km_state *s, const km_all_modes_def *def,
+                                     km_progress progress, void *context, km_all_modes *modes,
+                                     km_mode_circuits *circuits, km_error *error) {
+  if (!modes || !circuits)
+    return km_check_given(false, "place for modes or circuits", error);
+  *modes = (km_all_modes){0};
+  *circuits = (km_mode_circuits){0};
+  km_progress_stage stage = {.progress = progress, .context = context};
+  km_progress_stage_next(&stage, share_of_modes);
+  km_status status = km_all_modes_find(m, s, def, km_progress_stage_report, &stage, modes, error);
+  km_progress_stage_next(&stage, 1.0);
+  if (status == KM_CANCELLED)
+    circuits->gap = KM_CIRCUIT_GAP_STOPPED;
+  return status ? status : km_mode_circuits_find(m, s, def, modes, km_progress_stage_report, &stage, circuits, error);
 }

@@ -12,7 +12,6 @@
 #include <string.h>
 
 enum { DEFAULT_STEPS = 100 };
-static const double share_of_modes = 0.2; /* part of the progress */
 
 typedef struct options {
   kt_common common;
@@ -161,31 +160,13 @@ static bool is_partial(const map_answer *a) {
          (a->def.has_point && (!isfinite(a->map.workspace_area) || a->map.unbounded > 0));
 }
 
-/* Finds the modes and follows the map. */
-static km_status follow_map(map_answer *a, kt_progress *progress, km_error *error) {
-  const kt_pose *pose = a->pose;
-  const km_space_axis *axis = a->def.axis;
-  km_progress_stage stage = {.progress = kt_progress_show, .context = progress};
-  km_progress_stage_next(&stage, share_of_modes);
-  km_status status = km_map_modes_find(pose->mechanism, pose->state, axis[0].coordinate, axis[1].coordinate,
-                                       a->o->common.seed, km_progress_stage_report, &stage, &a->modes, error);
-  km_progress_stage_next(&stage, 1.0);
-  if (!status && a->o->own) { /* the first one is that of the pose */
-    a->modes.count = a->modes.count > 1 ? 1 : a->modes.count;
-    a->modes.is_complete = true;
-    a->modes.gap = KM_GAP_NONE;
-  }
-  return status ? status
-                : km_space_map_compute(pose->mechanism, pose->state, &a->def, &a->modes, km_progress_stage_report,
-                                       &stage, &a->map, error);
-}
-
 /* After Ctrl-C the answer has the finished sheets and the curves found so far. */
 static kt_exit compute(map_answer *a) {
   km_error error;
   kt_progress progress = kt_progress_start(&a->o->common);
   kt_interrupts_catch();
-  km_status status = follow_map(a, &progress, &error);
+  km_status status = km_space_map_find(a->pose->mechanism, a->pose->state, &a->def, a->o->common.seed, kt_progress_show,
+                                       &progress, &a->modes, &a->map, &error);
   kt_interrupts_release();
   kt_progress_end(&progress);
   if (status == KM_CANCELLED && kt_is_interrupted() && a->map.cells) {

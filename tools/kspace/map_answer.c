@@ -150,6 +150,24 @@ static void print_further_sheets(const km_space_map *map, int modes, km_text *ou
   km_text_add(out, "\n");
 }
 
+/* Prints the numbers of curves by kind, and of the aspects that they bound. */
+static void print_curves(const km_space_map_def *def, const km_space_map *map, km_text *out) {
+  int pairs, of_outputs, inputs = count_curves(def, map->curves, KM_CURVE_INPUT, &pairs);
+  inputs -= pairs;
+  km_text_format(out, "%d singularity curve%s of the drivers bound%s them\n", inputs, inputs == 1 ? "" : "s",
+                 inputs == 1 ? "s" : "");
+  if (pairs > 0)
+    km_text_format(out, "%d further curve%s of the map: the mechanism moves there while the drivers rest\n", pairs,
+                   pairs == 1 ? " is a single point" : "s are single points");
+  if (def->has_point) {
+    int outputs = count_curves(def, map->curves, KM_CURVE_OUTPUT, &of_outputs);
+    km_text_format(out, "%d singularity curve%s of the output: %s can't move in some direction there\n", outputs,
+                   outputs == 1 ? "" : "s", def->point_name);
+    km_text_format(out, "%d aspect%s free of both\n", map->aspect_count, map->aspect_count == 1 ? " is" : "s are");
+  }
+  km_text_format(out, "%zu points of curves\n", km_table_rows(map->curves));
+}
+
 void kspace_print_map(const kt_pose *pose, const char *file, const km_space_map_def *def, const km_all_modes *modes,
                       const km_space_map *map, km_text *out) {
   const km_model *model = pose->model;
@@ -162,19 +180,7 @@ void kspace_print_map(const kt_pose *pose, const char *file, const km_space_map_
   print_further_sheets(map, modes->count, out);
   for (int i = 1; i <= modes->count + map->sheet_count; ++i)
     print_sheet(map, i, points, out);
-  int pairs, inputs = count_curves(def, map->curves, KM_CURVE_INPUT, &pairs);
-  inputs -= pairs;
-  km_text_format(out, "%d singularity curve%s of the drivers bound%s them", inputs, inputs == 1 ? "" : "s",
-                 inputs == 1 ? "s" : "");
-  if (pairs > 0)
-    km_text_format(out, "; %d other%s of the map, where the mechanism moves while the drivers rest", pairs,
-                   pairs == 1 ? " is a single point" : "s are single points");
-  if (def->has_point) {
-    int outputs = count_curves(def, map->curves, KM_CURVE_OUTPUT, &pairs);
-    km_text_format(out, "; %d of the output: %s can't move in some direction there", outputs, def->point_name);
-    km_text_format(out, "; %d aspect%s free of both", map->aspect_count, map->aspect_count == 1 ? "" : "s");
-  }
-  km_text_format(out, "; %zu points\n", km_table_rows(map->curves));
+  print_curves(def, map, out);
   if (map->is_stopped)
     km_text_add(out, "stopped: further sheets and curves are missing\n");
   else if (def->has_point)

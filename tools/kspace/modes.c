@@ -157,17 +157,9 @@ static kt_exit search(kspace_modes_answer *a) {
   const km_all_modes_def def = {
       .locked = a->locked, .locked_count = a->locked_count, .within_limits = o->limits, .seed = o->common.seed};
   kt_progress progress = kt_progress_start(&o->common);
-  km_progress_stage stage = {.progress = kt_progress_show, .context = &progress};
   kt_interrupts_catch();
-  km_progress_stage_next(&stage, 0.8);
-  km_status status =
-      km_all_modes_find(pose->mechanism, pose->state, &def, km_progress_stage_report, &stage, &a->modes, &error);
-  km_progress_stage_next(&stage, 1.0);
-  if (status == KM_CANCELLED)
-    a->circuits.gap = KM_CIRCUIT_GAP_STOPPED;
-  if (!status)
-    status = km_mode_circuits_find(pose->mechanism, pose->state, &def, &a->modes, km_progress_stage_report, &stage,
-                                   &a->circuits, &error);
+  km_status status = km_modes_and_circuits_find(pose->mechanism, pose->state, &def, kt_progress_show, &progress,
+                                                &a->modes, &a->circuits, &error);
   kt_interrupts_release();
   kt_progress_end(&progress);
   bool is_stopped = status == KM_CANCELLED && a->modes.count > 0;

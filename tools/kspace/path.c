@@ -129,13 +129,17 @@ typedef struct path_forms {
   double time;
 } path_forms;
 
+static bool has_explored(const kspace_path_answer *a) {
+  return km_table_rows(a->path.explored) > 0;
+}
+
 static kt_exit write_format(const void *context, kt_format format, const km_text *record) {
   const path_forms *f = context;
   const options *o = f->o;
   const kspace_path_answer *a = f->answer;
   (void)record; /* the file is the model that plays the path */
   if (a->path.outcome != KM_SPACE_PATH_FOUND)
-    return format == KT_CSV && km_table_rows(a->path.explored) > 0
+    return format == KT_CSV && has_explored(a)
                ? kspace_write_csv(&o->common, o->files.base, a->path.explored, "explored")
                : KT_DONE;
   if (format == KT_CSV)
@@ -150,6 +154,13 @@ static kt_exit write_format(const void *context, kt_format format, const km_text
         o->model, o->files.base);
   return kspace_write_played_model(&o->common, o->model, a->pose->model, a->path.motion, a->drivers, a->driver_count,
                                    f->time, o->files.base);
+}
+
+/* A note where files are stated and there is none, since there is no path. */
+static void note_no_file(const options *o, const kspace_path_answer *a) {
+  if (o->files.base && !(has_explored(a) && o->files.formats.wanted[KT_CSV]))
+    kt_print_message(&o->common, KM_NOTE, "%s: no file: there is no path%s", o->model,
+                     has_explored(a) ? "; --format csv writes the configurations that were explored" : "");
 }
 
 static const km_value *record_path(const void *context, km_arena *arena) {
@@ -242,8 +253,10 @@ static kt_exit run(const options *o, const kt_pose *from, const kt_pose *to) {
     result = find_path(o, to, values, &kept, &a);
   if (result == KT_DONE)
     result = kspace_deliver(&o->common, &o->files, &forms);
-  if (result == KT_DONE && a.path.outcome != KM_SPACE_PATH_FOUND)
+  if (result == KT_DONE && a.path.outcome != KM_SPACE_PATH_FOUND) {
+    note_no_file(o, &a);
     result = KT_PARTIAL;
+  }
   km_space_path_free(&a.path);
   km_clearance_free(kept.clearance);
   km_free(kept.pairs);

@@ -1,13 +1,13 @@
 /* A map that is computed in a thread of its own. */
 #include "kview/map_job.h"
 
+#include <math.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const double share_of_modes = 0.2; /* part of the bar, which is 1 only where the map is finished */
-static const double share_of_search = 0.999;
+static const double last_report = 0.999; /* a bar of 1 says that the thread has ended */
 
 struct kv_map_job {
   const km_mechanism *mechanism;
@@ -25,21 +25,14 @@ struct kv_map_job {
 
 static bool goes_on(void *context, double done) {
   kv_map_job *job = context;
-  atomic_store(&job->done, done);
+  atomic_store(&job->done, fmin(done, last_report));
   return !atomic_load(&job->is_cancelled);
 }
 
 static void *compute(void *context) {
   kv_map_job *job = context;
-  const km_space_axis *axis = job->def.axis;
-  km_progress_stage stage = {.progress = goes_on, .context = job};
-  km_progress_stage_next(&stage, share_of_modes);
-  job->status = km_map_modes_find(job->mechanism, job->state, axis[0].coordinate, axis[1].coordinate, 1,
-                                  km_progress_stage_report, &stage, &job->modes, &job->error);
-  km_progress_stage_next(&stage, share_of_search);
-  if (!job->status)
-    job->status = km_space_map_compute(job->mechanism, job->state, &job->def, &job->modes, km_progress_stage_report,
-                                       &stage, &job->map, &job->error);
+  job->status =
+      km_space_map_find(job->mechanism, job->state, &job->def, 1, goes_on, job, &job->modes, &job->map, &job->error);
   atomic_store(&job->done, 1.0);
   return NULL;
 }

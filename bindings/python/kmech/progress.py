@@ -23,12 +23,6 @@ class Watch:
         self.handle = ffi.new_handle(self)
         self.context = ffi.new("kmech_watch *", {"handle": self.handle})
         self.call = lib.kmech_progress_function()
-        self.present = ffi.new("km_progress_stage *", {"progress": self.call, "context": self.context})
-
-    def stage(self, to: float) -> Any:
-        """The function and context of the next stage of the work, which ends when the share `to` of the whole is done."""
-        lib.km_progress_stage_next(self.present, to)
-        return ffi.addressof(lib, "km_progress_stage_report"), self.present
 
     def ask(self, done: float) -> bool:
         if self.shown:

@@ -50,10 +50,8 @@ def all_modes(mechanism: Mechanism, state: State, hold: Sequence[str], within_li
                                                 "within_limits": within_limits, "seed": seed})
     try:
         with mechanism.model._reading(), state._using():
-            status = lib.km_all_modes_find(mechanism._c, state._c, definition, *watch.stage(0.8), modes, error)
-            if not status:
-                status = lib.km_mode_circuits_find(mechanism._c, state._c, definition, modes, *watch.stage(1.0), circuits,
-                                                   error)
+            status = lib.km_modes_and_circuits_find(mechanism._c, state._c, definition, watch.call, watch.context, modes, circuits,
+                                                    error)
         watch.finish()
         check(status, error)
         count, width = modes.count, len(mechanism.model.coordinates)
@@ -171,14 +169,11 @@ def space_map(mechanism: Mechanism, state: State, over: Mapping[str, Tuple[float
     with mechanism.model._reading(), state._using():
         figures, pairs = _map_parts(mechanism, state, ask, locked, clearance)
         definition.figures, definition.clearance = figures, pairs
-        status = lib.km_map_modes_find(mechanism._c, state._c, locked[0], locked[1], seed, *watch.stage(0.2), modes, error)
-        if not status:
-            modes.count = min(modes.count, 1) if own else modes.count  # the first one is the state's
-            status = lib.km_space_map_compute(mechanism._c, state._c, definition, modes, *watch.stage(1.0), found, error)
+        status = lib.km_space_map_find(mechanism._c, state._c, definition, seed, watch.call, watch.context, modes, found, error)
     watch.finish()
     check(status, error)
     return SpaceMap(table_of(found.cells, found), table_of(found.curves, found), found.sheet_count, found.curve_count,
-                    modes.is_complete or own, _workspace(found) if point is not None else None)
+                    modes.is_complete, _workspace(found) if point is not None else None)
 
 
 class TurningPoint(NamedTuple):
@@ -288,10 +283,10 @@ def space_volume(mechanism: Mechanism, state: State, point: str, samples: int, o
 
 class SpacePath(NamedTuple):
     """A path of the drivers. outcome: "found", "separated" (the determinant of the input has opposite signs at both ends: every path
-    passes a singularity), "end" (an end isn't allowed) or "not found". table: s, q. of the drivers and of the others,
-    sigma.input; a row for each step. motion: t from 0 to 1, q. of the drivers, at equal steps of time, at rest at both ends. smooth:
+    passes a singularity), "end" (an end isn't allowed), "not found" or "stopped" (progress returned False). table: s, q. of the drivers and of the
+    others, sigma.input; a row for each step. motion: t from 0 to 1, q. of the drivers, at equal steps of time, at rest at both ends. smooth:
     the drivers turn no corner. least_margin: infinite where the drivers move no loop. explored: tree (1: from the start, 2: from the end),
-    parent (a row; -1: an end), the configuration; a row for each configuration of a search that found no path."""
+    parent (a row; -1: an end), the configuration; a row for each configuration of a search that found no path so far."""
 
     outcome: str
     table: Table
@@ -329,6 +324,7 @@ def space_path(mechanism: Mechanism, state: State, to: Union[State, Mapping[str,
     with model._reading(), state._using():
         status = lib.km_space_path_find(mechanism._c, state._c, definition, watch.call, watch.context, found, error)
     watch.finish()
-    check(status, error)
+    if status != lib.KM_CANCELLED:
+        check(status, error)
     return SpacePath(text_of(lib.km_space_path_outcome_name(found.outcome)), table_of(found.table, found), found.length,
                found.least_margin, found.is_straight, found.configurations, table_of(found.motion, found), found.is_smooth, table_of(found.explored, found))

@@ -414,6 +414,11 @@ def test_space_path(source):
     assert math.cos(path.table["q.A"][-1] - 2.9) == pytest.approx(1.0) and min(path.table["sigma.input"]) == pytest.approx(path.least_margin)
     assert path.smooth and path.motion["t"][-1] == 1.0 and path.motion["q.A"][-1] == pytest.approx(path.table["q.A"][-1])
     assert mechanism.space_path({"A": 1.57, "E": -1.57}).outcome == "end"
+    limited = kmech.load(source / "models/five_bar.json")
+    limited.set_limits("A", -0.5, 3.1)
+    limited.set_limits("E", -3.1, 0.5)
+    stopped = kmech.Mechanism(limited).space_path({"A": 2.9, "E": -2.9}, margin=0.1, progress=lambda done: False)
+    assert stopped.outcome == "stopped" and len(stopped.explored["tree"]) == stopped.configurations
     assert list(mechanism.space_path({"A": 0.0, "E": 0.0}).motion["q.A"]) == pytest.approx([0.0, 0.0])
     with pytest.raises(kmech.UsageError, match="as many drivers as freedoms"):
         mechanism.space_path({"A": 1.0})

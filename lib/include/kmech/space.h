@@ -120,6 +120,13 @@ KM_API km_status km_mode_circuits_find(const km_mechanism *mechanism, const km_s
                                        void *context, km_mode_circuits *out, km_error *error);
 KM_API void km_mode_circuits_free(km_mode_circuits *circuits);
 
+/* Finds all modes and then their circuits, with one course of progress. Errors as km_all_modes_find and
+ * km_mode_circuits_find; KM_CANCELLED: `*modes` has those found until then, `*circuits` that it was stopped. Free both
+ * in any case. Cost: the sum of both. */
+KM_API km_status km_modes_and_circuits_find(const km_mechanism *mechanism, const km_state *state,
+                                            const km_all_modes_def *def, km_progress progress, void *context,
+                                            km_all_modes *modes, km_mode_circuits *circuits, km_error *error);
+
 /* ---- Maps over two drivers: sheets of configurations, and singularity curves (docs/theory.md 4.19). */
 
 enum {
@@ -259,6 +266,13 @@ KM_API km_status km_space_map_compute(const km_mechanism *mechanism, const km_st
                                       const km_all_modes *modes, km_progress progress, void *context, km_space_map *out,
                                       km_error *error);
 KM_API void km_space_map_free(km_space_map *map);
+
+/* Finds the modes and then the map from them, with one course of progress. `seed`: as in km_all_modes_def. With
+ * own_sheet the first mode alone, that of the state, which is complete. Errors as km_map_modes_find and
+ * km_space_map_compute. Free `*modes` and `*out` in any case. Cost: the sum of both. */
+KM_API km_status km_space_map_find(const km_mechanism *mechanism, const km_state *state, const km_space_map_def *def,
+                                   unsigned long seed, km_progress progress, void *context, km_all_modes *modes,
+                                   km_space_map *out, km_error *error);
 
 /* ---- Turning: dead points of a driver over one number of the design (docs/theory.md 4.20). */
 

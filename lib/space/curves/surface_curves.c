@@ -91,11 +91,11 @@ static bool is_on_known(km_surface_curves *v) {
   return false;
 }
 
-/* True if a point of a known curve of this kind is nearer to the state than `reach`. */
-static bool is_known(const km_surface_curves *v, double reach) {
+/* True if a point of a known curve of this kind is nearer to the state than `distance`. */
+static bool is_known(const km_surface_curves *v, double distance) {
   for (size_t i = 0; i < v->point_count; ++i)
     if (is_same_curve(&v->points[i].of, &v->system.of) &&
-        km_driver_surface_difference(v->system.f, v->points[i].saved, v->system.f->step) < reach)
+        km_driver_surface_difference(v->system.f, v->points[i].saved, v->system.f->step) < distance)
       return true;
   return false;
 }
@@ -120,11 +120,11 @@ static bool write_points(km_surface_curves *v, size_t first, size_t end, int by)
   return true;
 }
 
-bool km_surface_curves_add(km_surface_curves *v, const km_surface_curve *of, const double *saved, double reach) {
+bool km_surface_curves_add(km_surface_curves *v, const km_surface_curve *of, const double *saved, double distance) {
   km_driver_surface *f = v->system.f;
   km_curve_system_choose(&v->system, of);
   km_driver_surface_restore(f, saved);
-  if (is_known(v, reach + km_longest_curve_step) || !km_curve_system_enter(&v->system) ||
+  if (is_known(v, distance + km_longest_curve_step) || !km_curve_system_enter(&v->system) ||
       km_curve_margin(v) < -km_at_curve_end || is_on_known(v))
     return true;
   ++v->count;

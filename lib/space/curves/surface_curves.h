@@ -33,8 +33,8 @@ typedef struct km_curve_point {
 km_surface_curves *km_surface_curves_create(km_driver_surface *surface, km_table *table);
 void km_surface_curves_free(km_surface_curves *curves);
 /* Adds the curve nearest to the saved configuration, unless it is in the table. Nothing is done where a known point of
- * such a curve is nearer to the configuration than `reach` + 0.02. False when out of memory. */
-bool km_surface_curves_add(km_surface_curves *curves, const km_surface_curve *of, const double *saved, double reach);
+ * such a curve is nearer to the configuration than `distance` + 0.02. False when out of memory. */
+bool km_surface_curves_add(km_surface_curves *curves, const km_surface_curve *of, const double *saved, double distance);
 /* Moves the surface from point i of a curve of the drivers to its side, by `distance` along z; the loops are then open.
  * False for another kind of curve. *is_point: there is a point i. */
 bool km_surface_curves_leave(km_surface_curves *curves, size_t i, double distance, bool *is_point);

@@ -46,7 +46,7 @@ typedef struct km_map_search {
   double *K;                         /* [columns²] workspace */
   int *row;                          /* [columns] workspace */
   int aspect_count;                  /* aspects of all sheets so far */
-  double curve_reach;                /* grid points nearer to a known curve don't look for another */
+  double curve_distance;             /* grid points nearer to a known curve don't look for another */
   bool is_ended;                     /* the caller's figures end the map */
   km_state *at;                      /* state for the caller's figures; NULL: none */
   km_space_map *out;

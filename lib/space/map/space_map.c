@@ -18,7 +18,8 @@ enum {
 static const double leaving_distance = 0.05; /* distance of a start from its singularity curve */
 /* Part of the work before each share of km_map_share: about that of the five-bar's and the wrist's maps. */
 static const double share_ends[] = {0.0, 0.4, 0.6, 0.7, 1.0};
-static const double most_reach =
+static const double share_of_modes = 0.1; /* maps of models/ spend less of their time on modes */
+static const double most_curve_distance =
     0.1; /* largest one of grid points to a known curve for which they don't look for another */
 
 /* Writes the rows of the sheet's `count` cells, in the order in which they were reached. */
@@ -137,7 +138,7 @@ static bool add_exceeded_limits(km_map_search *g, int cell) {
            high = km_driver_surface_high(f, k);
     const km_surface_curve limit = {.kind = KM_CURVE_LIMIT, .column = k, .bound = q > high ? high : low};
     if (q > high || q < low)
-      is_ok = km_surface_curves_add(g->curves, &limit, saved, g->curve_reach);
+      is_ok = km_surface_curves_add(g->curves, &limit, saved, g->curve_distance);
   }
   return is_ok;
 }
@@ -151,7 +152,7 @@ static bool add_near_pairs(km_map_search *g, int cell, int neighbour) {
     km_driver_surface_restore(f, g->saved + (size_t)neighbour * f->saved_size);
     km_kept_clearance_update(&f->kept, f->m, f->s);
     if (km_kept_clearance_excess(&f->kept, pair) < 0.0)
-      is_ok = km_surface_curves_add(g->curves, &curve, g->saved + (size_t)cell * f->saved_size, g->curve_reach);
+      is_ok = km_surface_curves_add(g->curves, &curve, g->saved + (size_t)cell * f->saved_size, g->curve_distance);
   }
   return is_ok;
 }
@@ -168,7 +169,7 @@ static bool add_limits(km_map_search *g, int cell) {
                                     .bound = bound,
                                     .is_signed = bound < 0.0 && g->f.m->model->coordinates[a->coordinate].is_strut};
     if ((at[d] == 0 || at[d] == last[d]) && g->is_written[cell] && km_map_axis_ends(g, d))
-      is_ok = km_surface_curves_add(g->curves, &limit, g->saved + (size_t)cell * g->f.saved_size, g->curve_reach);
+      is_ok = km_surface_curves_add(g->curves, &limit, g->saved + (size_t)cell * g->f.saved_size, g->curve_distance);
   }
   for (int k = 0; is_ok && g->is_written[cell] && k < 4; ++k) {
     int next = km_map_neighbour(g, cell, k);
@@ -219,8 +220,8 @@ static km_status follow_sheet(km_map_search *g, int sheet, int least, km_error *
     if (!visit_neighbours(g, sheet, cell, g->start_N, &tail, &is_edge, &is_turned))
       return not_recorded(g, error);
     const double *saved = g->saved + (size_t)cell * g->f.saved_size;
-    if ((is_edge && !km_surface_curves_add(g->curves, &input, saved, g->curve_reach)) ||
-        (is_turned && !km_surface_curves_add(g->curves, &output, saved, g->curve_reach)))
+    if ((is_edge && !km_surface_curves_add(g->curves, &input, saved, g->curve_distance)) ||
+        (is_turned && !km_surface_curves_add(g->curves, &output, saved, g->curve_distance)))
       return no_memory(error);
   }
   for (int i = 0; i < tail; ++i)
@@ -293,8 +294,8 @@ static km_status prepare_grid(km_map_search *g, km_error *error) {
   km_driver_surface *f = &g->f;
   const km_space_map_def *def = g->def;
   for (int d = 0; d < 2; ++d)
-    g->curve_reach = fmax(g->curve_reach, 3.0 * fabs(km_map_axis_value(g, d, 1) - km_map_axis_value(g, d, 0)));
-  g->curve_reach = fmin(g->curve_reach, most_reach);
+    g->curve_distance = fmax(g->curve_distance, 3.0 * fabs(km_map_axis_value(g, d, 1) - km_map_axis_value(g, d, 0)));
+  g->curve_distance = fmin(g->curve_distance, most_curve_distance);
   g->across = def->axis[0].steps + 1;
   g->down = def->axis[1].steps + 1;
   size_t cells = (size_t)g->across * (size_t)g->down;
@@ -503,6 +504,28 @@ km_status km_space_map_compute(const km_mechanism *m, const km_state *s, const k
   km_state_free(g.f.s);
   km_state_free(g.at);
   return status;
+}
+
+km_status km_space_map_find(const km_mechanism *m, const km_state *s, const km_space_map_def *def, unsigned long seed,
+                            km_progress progress, void *context, km_all_modes *modes, km_space_map *out,
+                            km_error *error) {
+  if (!modes || !out)
+    return km_check_given(false, "place for the modes or the map", error);
+  *modes = (km_all_modes){0};
+  *out = (km_space_map){0};
+  if (!def)
+    return km_check_given(false, "definition of the map", error);
+  km_progress_stage stage = {.progress = progress, .context = context};
+  km_progress_stage_next(&stage, share_of_modes);
+  km_status status = km_map_modes_find(m, s, def->axis[0].coordinate, def->axis[1].coordinate, seed,
+                                       km_progress_stage_report, &stage, modes, error);
+  km_progress_stage_next(&stage, 1.0);
+  if (!status && def->own_sheet) {
+    modes->count = modes->count > 1 ? 1 : modes->count;
+    modes->is_complete = true;
+    modes->gap = KM_GAP_NONE;
+  }
+  return status ? status : km_space_map_compute(m, s, def, modes, km_progress_stage_report, &stage, out, error);
 }
 
 const char *km_curve_kind_name(km_curve_kind kind) {

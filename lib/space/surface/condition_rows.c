@@ -6,8 +6,8 @@
 
 #include <string.h>
 
-static const double most_weight = 2.0; /* growth of B (docs/theory.md 3.3) */
-static const double dependent = 1e-12; /* pivot of J Jᵀ over the largest: W has no digits below */
+static const double most_weight = 2.0;            /* growth of B (docs/theory.md 3.3) */
+static const double dependence_tolerance = 1e-12; /* pivot of J Jᵀ over the largest: W has no digits below */
 
 bool km_condition_rows_create(km_condition_rows *p, int all, int rows, int columns, km_arena *arena) {
   size_t r = (size_t)rows, a = (size_t)all;
@@ -96,7 +96,7 @@ static bool factor_gram(km_condition_rows *p, const double *J_all) {
     largest = fmax(largest, fabs(p->gram[i * r + i]));
     smallest = fmin(smallest, fabs(p->gram[i * r + i]));
   }
-  return smallest > dependent * largest;
+  return smallest > dependence_tolerance * largest;
 }
 
 /* Finds the largest weight, of row *i on primary row *j. */

@@ -4,8 +4,9 @@
 #include "kinematics/body_poses.h"
 #include "model/joint_type.h"
 
+/* A turn leaves the share |1 − g·u| of the angle, u the rod's axis: 30 of a share of 0.37 leave the smallest one. */
 enum { MOST_TURNS = 30 };
-static const double same_angle = 1e-13; /* radians */
+static const double same_angle = 1e-13; /* radians: rounding of τ, 1e-15, where it is well conditioned */
 
 static int body_at(const km_model *model, int joint, int end) {
   return model->frames[model->joints[joint].frame[end]].body;

@@ -7,10 +7,11 @@
 #include <string.h>
 
 static const double rounding = 1e-12; /* excess over a bound, scaled: coordinates and rows are exact to it */
-static const double dependent = 1e-9; /* part of a row that others leave, and that their rounding may have left */
+static const double dependence_tolerance =
+    1e-9; /* part of a row that others leave, and that their rounding may have left */
 static const double least_damping =
     1e-8; /* ε over |A|²: H keeps half the digits in motions that don't move the point */
-enum { MOST_CHANGES = 4 /* each bound changes so often at most: without rounding, no set of active ones returns */ };
+enum { MOST_CHANGES = 4 /* changes of a bound: without rounding no set of active ones returns; models/ take 1.5 */ };
 
 bool km_bounded_step_create(km_bounded_step *g, int most_columns, int most_bounds, km_arena *arena) {
   size_t n = (size_t)most_columns, bounds = (size_t)most_bounds + 1, order = 2 * n;
@@ -95,7 +96,7 @@ static bool is_dependent(const km_bounded_step *g, int bound) {
   }
   for (int a = 0; a < g->active_count; ++a)
     size += fabs(y[a]) * km_norm(row_of(g, g->active[a]), g->columns);
-  return g->active_count == g->columns || rest <= dependent * size;
+  return g->active_count == g->columns || rest <= dependence_tolerance * size;
 }
 
 /* The active row whose multiplier reaches 0 first, after *t; −1: none does. */

@@ -32,9 +32,9 @@ typedef struct km_bounded_step {
 
 /* Allocates for matrices of up to 3 rows. False when out of memory. */
 bool km_bounded_step_create(km_bounded_step *step, int most_columns, int most_bounds, km_arena *arena);
-/* Finds w. False if the bounds exclude each other; to rounding, which also ends a set that returns.
- * O(active · columns³). */
-bool km_bounded_step_find(km_bounded_step *step, const double *d, double epsilon);
+/* Finds w; ε is the larger of `damping` and 1e-8 |A|². False if the bounds exclude each other; to rounding, which also
+ * ends a set that returns. O(active · columns³). */
+bool km_bounded_step_find(km_bounded_step *step, const double *d, double damping);
 /* |d|² − |d − A w|²: what the step takes from the square of the distance. */
 double km_bounded_step_decrease(const km_bounded_step *step, const double *d);
 

@@ -24,10 +24,12 @@ static const double reached = 1e-9;        /* distance over L of a point that is
 static const double longest_step = 0.3;    /* radians; lengths over the larger of L and the stroke */
 static const double least_decrease = 1e-6; /* share of |d|² that a step may still promise where the point is blocked */
 static const double largest_damping = 1e8; /* μ: steps of at most |A|/μ are rejected by rounding only */
-static const double target_distance = 0.5; /* the next target of an extremum is so far, over the reach */
-static const double endless = 100.0;       /* distance over the reach, the sum of L and all strokes with ends */
+static const double target_distance = 0.5; /* the next target of an extremum is so far, over the travel */
+static const double endless = 100.0;       /* distance over the travel */
 static const double kept_decrease = 1e-4;  /* least share of the promised decrease (L. Armijo 1966) */
-static const double regular_share = 1e-6;  /* smaller singular values of A over the largest are those of a rank */
+static const double rank_share = 1e-6;     /* smaller singular values of A over the largest are those of a rank */
+static const double least_advance = 1e-6;  /* advance over the travel that is none: an extremum is reached */
+static const double least_share = 1e-6;    /* shorter parts of a random step end at a bound */
 
 /* ---- Preparation. */
 
@@ -76,15 +78,15 @@ static double stroke_of(const km_moved_point *p, int c) {
              : 0.0;
 }
 
-/* Finds the reach, and the longest change of each column in a step. */
-static void find_reach(km_moved_point *p) {
-  p->reach = p->m->length;
+/* Finds the travel, and the longest change of each column in a step. */
+static void find_travel(km_moved_point *p) {
+  p->travel = p->m->length;
   p->is_bounded = true;
   for (int k = 0; k < p->columns; ++k) {
     int c = p->coordinate[k];
     double stroke = stroke_of(p, c);
     p->is_bounded = p->is_bounded && isfinite(stroke);
-    p->reach += isfinite(stroke) ? stroke : 0.0;
+    p->travel += isfinite(stroke) ? stroke : 0.0;
     p->longest[k] = longest_step;
     if (km_model_coordinate_is_length(p->m->model, c) && isfinite(stroke))
       p->longest[k] *= fmax(1.0, stroke * p->m->scale[c]);
@@ -107,7 +109,7 @@ km_status km_moved_point_create(km_moved_point *p, km_arena *arena, km_error *er
   p->jacobian = KM_ARENA_NEW(arena, double, 6 * all + 1);
   p->before = KM_ARENA_NEW(arena, double, p->saved_size);
   if (!arena->failed)
-    find_reach(p);
+    find_travel(p);
   bool is_ok = km_kept_clearance_create(&p->kept, p->m, arena) &&
                km_bounded_step_create(&p->step, (int)n, 2 * (int)n + km_kept_clearance_count(&p->kept), arena);
   return is_ok && !arena->failed ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the workspace");
@@ -204,7 +206,7 @@ int km_moved_point_rank(km_moved_point *p) {
         p->step.matrix[r * p->freedoms + f] = p->step.A[f * p->dimension + r];
     double sigma = km_singular_value(p->step.matrix, p->freedoms, p->dimension, i);
     largest = fmax(largest, sigma);
-    rank += sigma > regular_share * largest;
+    rank += sigma > rank_share * largest;
   }
   return rank;
 }
@@ -229,18 +231,18 @@ static void add_limit(km_moved_point *p, int k, double sense, double slack) {
 /* Limits that a step can exceed. */
 static void add_limits(km_moved_point *p, int k) {
   int c = p->coordinate[k], ball = p->m->ball_of[c];
-  double q = p->s->q[c], sense = 1.0, reach = 1.01 * p->longest[k] / p->m->scale[c];
+  double q = p->s->q[c], sense = 1.0, near = 1.01 * p->longest[k] / p->m->scale[c];
   if (ball >= 0) {
     double room = p->m->max_ball_angle[c] - km_norm(p->s->q + c, 3);
-    if (c == p->m->ball_coordinate[ball] && room < reach)
+    if (c == p->m->ball_coordinate[ball] && room < near)
       add_limit(p, k, 1.0, room);
     return;
   }
   if (p->m->model->coordinates[c].is_strut && q < 0.0) /* the limits are those of its length */
     sense = -1.0;
-  if (p->m->high[c] - sense * q < reach)
+  if (p->m->high[c] - sense * q < near)
     add_limit(p, k, sense, p->m->high[c] - sense * q);
-  if (sense * q - p->m->low[c] < reach)
+  if (sense * q - p->m->low[c] < near)
     add_limit(p, k, -sense, sense * q - p->m->low[c]);
 }
 
@@ -248,7 +250,7 @@ static void add_limits(km_moved_point *p, int k) {
 static void add_clearance(km_moved_point *p, int pair) {
   km_bounded_step *step = &p->step;
   double excess = km_kept_clearance_excess(&p->kept, pair) / p->m->length;
-  if (!(excess < longest_step * p->reach / p->m->length))
+  if (!(excess < longest_step * p->travel / p->m->length))
     return;
   double *row = step->bound + step->bound_count * step->most_columns;
   km_clearance_gradient(p->kept.clearance, p->s, pair, &p->kept.pairs[pair], p->kept.gradient, NULL);
@@ -430,15 +432,15 @@ km_point_end km_moved_point_move_to(km_moved_point *p, const double *target) {
 }
 
 bool km_moved_point_find_extremum(km_moved_point *p, int axis, double sense) {
-  double target[3], start = p->x[axis], most = p->is_bounded ? HUGE_VAL : endless * p->reach;
+  double target[3], start = p->x[axis], most = p->is_bounded ? HUGE_VAL : endless * p->travel;
   for (int i = 0; i < MOST_TARGETS; ++i) {
     double before = p->x[axis];
     memcpy(target, p->x, sizeof target);
-    target[axis] += sense * target_distance * p->reach;
+    target[axis] += sense * target_distance * p->travel;
     km_point_end end = km_moved_point_move_to(p, target);
     if (end == KM_POINT_UNSETTLED)
       return true;
-    if (end == KM_POINT_BLOCKED && !(sense * (p->x[axis] - before) > regular_share * p->reach))
+    if (end == KM_POINT_BLOCKED && !(sense * (p->x[axis] - before) > least_advance * p->travel))
       return true;
     if (!(fabs(p->x[axis] - start) < most))
       return false;
@@ -451,7 +453,7 @@ void km_moved_point_move_at_random(km_moved_point *p, uint64_t *random) {
     p->step.w[f] = km_splitmix(random, -1.0, 1.0);
   for (int i = 0; i < RANDOM_STEPS; ++i) {
     double share = step_share(p);
-    if (!(share > regular_share))
+    if (!(share > least_share))
       return;
     km_moved_point_save(p, p->before);
     if (!take_step(p, compute_step(p, 1.0 / share)) || !update(p))

@@ -32,7 +32,7 @@ typedef struct km_moved_point {
   int *part;        /* [part_count] */
   int *rank;        /* [part_count] rank of the Jacobian at the beginning: steps keep it */
   int columns;      /* coordinates of the parts, and of joints of none on the way */
-  double reach;     /* L and the strokes of slides and screws between limits, model's unit */
+  double travel;    /* L and the strokes of slides and screws between limits, model's unit */
   bool is_bounded;  /* all slides and screws have limits */
   double *longest;  /* [columns] longest change in a step, scaled */
   int tree_start;   /* the first of the latter */
