@@ -52,7 +52,6 @@ static void a_stage_reports_its_share(void **state) {
 static course map_course(const char *name, int steps, bool within_limits) {
   fixture f = fixture_open(name);
   course c = {0};
-  km_progress_stage stage = {.progress = note, .context = &c};
   km_all_modes modes;
   km_space_map map;
   km_error error;
@@ -63,14 +62,13 @@ static course map_course(const char *name, int steps, bool within_limits) {
                                 .frame = frame,
                                 .point_name = "rod1/P",
                                 .within_limits = within_limits};
-  km_progress_stage_next(&stage, 0.2);
-  assert_int_equal(km_map_modes_find(f.mechanism, f.state, drivers[0], drivers[1], 1, km_progress_stage_report, &stage,
-                                     &modes, &error),
-                   KM_OK);
-  assert_true(c.calls > 0 && c.last <= 0.2);
-  km_progress_stage_next(&stage, 1.0);
-  assert_int_equal(
-      km_space_map_compute(f.mechanism, f.state, &def, &modes, km_progress_stage_report, &stage, &map, &error), KM_OK);
+  assert_int_equal(km_space_map_find(f.mechanism, f.state, &def, 1, note, &c, &modes, &map, &error), KM_OK);
+  assert_false(map.is_stopped);
+  km_space_map_free(&map);
+  km_all_modes_free(&modes);
+  double end = 0.5; /* behind the modes, which stay all of them */
+  assert_int_equal(km_space_map_find(f.mechanism, f.state, &def, 1, stop_at, &end, &modes, &map, &error), KM_CANCELLED);
+  assert_true(map.is_stopped && map.cells && modes.is_complete);
   km_space_map_free(&map);
   km_all_modes_free(&modes);
   fixture_close(&f);
@@ -98,10 +96,8 @@ static void modes_and_circuits(void **state) {
     int driver = km_model_sweep_coordinate(f.model);
     const km_all_modes_def def = {.locked = &driver, .locked_count = 1, .seed = 1};
     assert_true(driver >= 0);
-    assert_int_equal(km_all_modes_find(f.mechanism, f.state, &def, note, &c, &modes, NULL), KM_OK);
-    assert_true(c.values > 10 && c.last > 0.9);
-    c = (course){0};
-    assert_int_equal(km_mode_circuits_find(f.mechanism, f.state, &def, &modes, note, &c, &circuits, NULL), KM_OK);
+    assert_int_equal(km_modes_and_circuits_find(f.mechanism, f.state, &def, note, &c, &modes, &circuits, NULL), KM_OK);
+    assert_true(c.values > 10 && c.last > 0.8);
     km_mode_circuits_free(&circuits);
     km_all_modes_free(&modes);
     fixture_close(&f);

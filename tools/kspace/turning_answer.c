@@ -107,7 +107,10 @@ void kspace_print_turning(const km_model *model, const km_turning_def *def, cons
     print_critical(&t->points[i], def, driver, unit, out);
   km_text_format(out, "%d curve%s of dead points, %zu points, from the circuits of %d assembly mode%s%s\n",
                  t->curve_count, t->curve_count == 1 ? "" : "s", km_table_rows(t->curves), t->modes,
-                 t->modes == 1 ? "" : "s", t->is_complete ? "" : " (at least these)");
+                 t->modes == 1 ? "" : "s",
+                 t->is_complete             ? ""
+                 : t->gap == KM_GAP_REFUSED ? " (others can't be listed)"
+                                            : " (at least these)");
 }
 
 static void add_interval(const km_turning_interval *at, km_value *list, km_arena *arena) {

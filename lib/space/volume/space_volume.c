@@ -14,7 +14,7 @@
 #include <string.h>
 
 enum { MOST_BOXES = 5 /* the examples of models/ take one or two */, MOST_JOBS = 64 };
-static const double later_boxes = 0.2; /* share of the remaining progress that a box leaves to those after it */
+static const double later_boxes = 0.05; /* share of the remaining progress that a box leaves to those after it */
 static const double quantile = 1.959963984540054; /* 0.975 of the normal distribution */
 
 static km_status no_memory(km_error *error) {
