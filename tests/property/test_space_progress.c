@@ -66,7 +66,7 @@ static course map_course(const char *name, int steps, bool within_limits) {
   assert_false(map.is_stopped);
   km_space_map_free(&map);
   km_all_modes_free(&modes);
-  double end = 0.5; /* behind the modes, which stay all of them */
+  double end = 0.5; /* the modes end at 0.1 and stay complete */
   assert_int_equal(km_space_map_find(f.mechanism, f.state, &def, 1, stop_at, &end, &modes, &map, &error), KM_CANCELLED);
   assert_true(map.is_stopped && map.cells && modes.is_complete);
   km_space_map_free(&map);
