@@ -163,7 +163,8 @@ static void print_curves(const km_space_map_def *def, const km_space_map *map, k
     int outputs = count_curves(def, map->curves, KM_CURVE_OUTPUT, &of_outputs);
     km_text_format(out, "%d singularity curve%s of the output: %s can't move in some direction there\n", outputs,
                    outputs == 1 ? "" : "s", def->point_name);
-    km_text_format(out, "%d aspect%s free of both\n", map->aspect_count, map->aspect_count == 1 ? " is" : "s are");
+    if (!map->is_stopped) /* some aspects of a stopped map are missing */
+      km_text_format(out, "%d aspect%s free of both\n", map->aspect_count, map->aspect_count == 1 ? " is" : "s are");
   }
   km_text_format(out, "%zu points of curves\n", km_table_rows(map->curves));
 }
