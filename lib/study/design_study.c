@@ -171,22 +171,22 @@ static void list_figures(km_design_study *s) {
 
 static void add_settings(km_text *out, const km_design_setting *settings, int count) {
   for (int i = 0; i < count; ++i) {
-    km_design_add_name(out, settings[i].coordinate);
-    km_design_add_numbers(out, &settings[i].value, 1);
+    km_identity_add_name(out, settings[i].coordinate);
+    km_identity_add_numbers(out, &settings[i].value, 1);
   }
   km_text_add(out, "|");
 }
 
 /* Appends all settings of a request that affect its answers, for its hash. */
 static void add_question(km_text *out, const km_design_question *q) {
-  km_design_add_name(out, q->kind ? q->kind : "function");
+  km_identity_add_name(out, q->kind ? q->kind : "function");
   for (int i = 0; i < q->option_count; ++i) {
     const km_design_option *o = &q->options[i];
-    km_design_add_name(out, o->name);
+    km_identity_add_name(out, o->name);
     km_text_add(out, o->flag ? "set" : "");
-    km_design_add_numbers(out, o->numbers, o->number_count);
+    km_identity_add_numbers(out, o->numbers, o->number_count);
     for (int k = 0; k < o->text_count; ++k)
-      km_design_add_name(out, o->texts[k]);
+      km_identity_add_name(out, o->texts[k]);
   }
   km_text_add(out, "|");
   add_settings(out, q->holds, q->hold_count);
@@ -194,27 +194,27 @@ static void add_question(km_text *out, const km_design_question *q) {
   for (int f = 0; f < q->figure_count; ++f) { /* limits don't affect the answer */
     const km_design_figure *figure = &q->figures[f];
     km_text_format(out, "%d;", (int)figure->kind);
-    km_design_add_name(out, q->kind ? figure->column : figure->name);
-    km_design_add_numbers(out, &figure->at, 1);
-    km_design_add_numbers(out, figure->points, 3 * figure->point_count);
+    km_identity_add_name(out, q->kind ? figure->column : figure->name);
+    km_identity_add_numbers(out, &figure->at, 1);
+    km_identity_add_numbers(out, figure->points, 3 * figure->point_count);
   }
   km_text_add(out, "|");
   for (int b = 0; b < q->band_count; ++b)
-    km_design_add_name(out, q->bands[b]);
+    km_identity_add_name(out, q->bands[b]);
 }
 
 /* Registers a request in the store by the hash of all inputs of its answers except model text and design. */
 static km_status register_question(km_design_study *s, int index, km_error *error) {
   km_text text = {0};
   char key[KM_SHA256_TEXT];
-  km_design_add_name(&text, km_version());
+  km_identity_add_name(&text, km_version());
   add_question(&text, &s->def->questions[index]);
   km_status status = km_design_add_files(s, &s->def->questions[index], &text, error);
   if (status) {
     km_text_free(&text);
     return status;
   }
-  km_design_add_numbers(&text, &s->length, 1);
+  km_identity_add_numbers(&text, &s->length, 1);
   km_text_add(&text, s->meshes);
   bool failed = text.failed;
   if (!failed)
@@ -230,10 +230,10 @@ static km_status open_store(km_design_study *s, const char *path, bool replace, 
   char identity[KM_SHA256_TEXT], model[KM_SHA256_TEXT] = "";
   if (s->bytes)
     km_sha256(s->bytes, s->size, model);
-  km_design_add_name(&text, model);
+  km_identity_add_name(&text, model);
   km_text_format(&what, "%s %.12s with", s->def->model ? s->def->model : s->bytes ? "the model" : "a function", model);
   for (int p = 0; p < s->def->parameter_count; ++p) {
-    km_design_add_name(&text, s->def->parameters[p].path);
+    km_identity_add_name(&text, s->def->parameters[p].path);
     km_text_format(&what, "%s %s", p ? "," : "", s->def->parameters[p].path);
   }
   if (!s->def->parameter_count)

@@ -6,17 +6,6 @@
 
 #include <string.h>
 
-void km_design_add_name(km_text *out, const char *name) {
-  km_text_format(out, "%zu:%s;", name ? strlen(name) : 0, name ? name : "");
-}
-
-void km_design_add_numbers(km_text *out, const double *numbers, int count) {
-  for (int i = 0; i < count; ++i) {
-    km_text_number(out, numbers[i]);
-    km_text_add(out, ";");
-  }
-}
-
 void km_design_add_meshes(const km_model *model, km_text *out) {
   for (int b = 1; b < model->body_count; ++b) {
     const km_model_body *body = &model->bodies[b];
@@ -24,7 +13,7 @@ void km_design_add_meshes(const km_model *model, km_text *out) {
         body->mass,       body->center_of_mass.x, body->center_of_mass.y, body->center_of_mass.z, body->inertia[0],
         body->inertia[1], body->inertia[2],       body->inertia[3],       body->inertia[4],       body->inertia[5]};
     if (body->mesh)
-      km_design_add_numbers(out, numbers, 10);
+      km_identity_add_numbers(out, numbers, 10);
   }
 }
 
@@ -51,7 +40,7 @@ static km_status add_file(const char *file, bool is_study, km_arena *arena, km_t
   const char *table = status || !is_study ? NULL : table_of(file, &bytes, arena);
   if (!status) {
     km_sha256(bytes.data, bytes.size, key);
-    km_design_add_name(out, key);
+    km_identity_add_name(out, key);
   }
   km_text_free(&bytes);
   return status || !table ? status : add_file(table, false, arena, out, error);

@@ -86,6 +86,7 @@ static void open_handles(world *w) {
   w->body_pairs[0] = (km_body_pair){.body = {1, 3}};
   km_poses_compute(w->mechanism, w->state);
   km_clearance_create(w->mechanism, w->state, w->body_pairs, 1, &w->clearance, NULL);
+  km_map_store_open(":memory:", w->mechanism, w->state, &w->map_def, 1, false, &w->map_store, NULL);
   w->grip = (km_manipulation_point){.body = 1};
 }
 
@@ -213,6 +214,7 @@ void world_close(world *w) {
   km_arc_motion_free(w->follow);
   km_manipulation_free(w->hand);
   km_clearance_free(w->clearance);
+  km_map_store_free(w->map_store);
   km_transfer_free(w->lever);
   km_losses_free(w->losses);
   km_transmission_free(w->transmission);

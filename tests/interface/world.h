@@ -33,6 +33,7 @@ typedef struct world {
   km_all_modes_def all_modes_def;
   km_all_modes one_mode;
   km_space_map_def map_def;
+  km_map_store *map_store;
   km_turning_def turning_def;
   km_space_path_def path_def;
   km_space_volume_def volume_def;

@@ -493,7 +493,7 @@ static void stores_may_be_read_only(void **state) {
     assert_int_equal(km_design_study_lookup(s, &error), KM_OK);
     assert_false(km_design_study_is_complete(s));
     assert_int_equal(km_design_study_run(s, 1, NULL, NULL, &error), KM_IO);
-    if (!strstr(error.text, "can't be written, only shown and exported"))
+    if (!strstr(error.text, "can't be written, only read"))
       fail_msg("%s", error.text);
     km_design_study_free(s);
     assert_int_equal(seteuid(user), 0);

@@ -16,7 +16,7 @@ enum { DEFAULT_STEPS = 100 };
 typedef struct options {
   kt_common common;
   kt_texts holds, sets, joints, ranges, steps;
-  const char *model, *point, *format, *show, *clearance;
+  const char *model, *point, *format, *show, *clearance, *store;
   int ask, limits, over_point, own;
   kspace_files files;
 } options;
@@ -160,22 +160,38 @@ static bool is_partial(const map_answer *a) {
          (a->def.has_point && (!isfinite(a->map.workspace_area) || a->map.unbounded > 0));
 }
 
+/* Opens the store, and finds modes and map. */
+static km_status find_map(map_answer *a, kt_progress *progress, km_error *error) {
+  const options *o = a->o;
+  km_status status = o->store ? km_map_store_open(o->store, a->pose->mechanism, a->pose->state, &a->def, o->common.seed,
+                                                  o->common.force, &a->def.store, error)
+                              : KM_OK;
+  if (!status)
+    status = km_space_map_find(a->pose->mechanism, a->pose->state, &a->def, o->common.seed, kt_progress_show, progress,
+                               &a->modes, &a->map, error);
+  km_map_store_free(a->def.store);
+  a->def.store = NULL;
+  return status;
+}
+
 /* After Ctrl-C the answer has the finished sheets and the curves found so far. */
 static kt_exit compute(map_answer *a) {
   km_error error;
   kt_progress progress = kt_progress_start(&a->o->common);
   kt_interrupts_catch();
-  km_status status = km_space_map_find(a->pose->mechanism, a->pose->state, &a->def, a->o->common.seed, kt_progress_show,
-                                       &progress, &a->modes, &a->map, &error);
+  km_status status = find_map(a, &progress, &error);
   kt_interrupts_release();
   kt_progress_end(&progress);
   if (status == KM_CANCELLED && kt_is_interrupted() && a->map.cells) {
-    kt_print_message(&a->o->common, KM_NOTE, "%s: %s; the answer has the finished sheets and the curves found so far",
-                     a->o->model, error.text);
+    kt_print_message(&a->o->common, KM_NOTE,
+                     "%s: %s; the answer has the finished sheets and the curves found so far%s%s", a->o->model,
+                     error.text, a->o->store ? "; the same command goes on with " : "", a->o->store ? a->o->store : "");
     return KT_DONE;
   }
+  bool is_other = status && strstr(error.text, "of another map");
   if (status)
-    kt_print_message(&a->o->common, KM_ERROR, "%s: %s", a->o->model, error.text);
+    kt_print_message(&a->o->common, KM_ERROR, "%s: %s%s", a->o->model, error.text,
+                     is_other ? " (--force replaces them)" : "");
   return kt_exit_of(status);
 }
 
@@ -260,6 +276,8 @@ kt_exit kspace_map(int argc, char **argv) {
       {"clearance", 0, "X",
        "Leave out cells in which bodies are nearer than X, in the model's length unit; the pairs are those of kspace clearance",
        KT_TEXT, &o.clearance, KT_ABOUT_MODEL},
+      {"store", 0, "FILE", "Keep what is found in this file as it comes: the same command goes on where it was stopped",
+       KT_INPUT, &o.store, KT_ABOUT_FILES},
       KT_SET(&o.sets, "Start from another pose: move a joint to a value"),
       KT_HOLD(&o.holds, KT_HOLD_RIGID),
       KT_POSE(o.common),
@@ -269,7 +287,7 @@ kt_exit kspace_map(int argc, char **argv) {
   };
   KT_OPTIONS_ADD(&all, own);
   all.operand = (kt_operand){"model", "MODEL", true, &o.model, NULL};
-  kt_common_options(&all, &o.common, KT_USES_FLOAT | KT_USES_SEED);
+  kt_common_options(&all, &o.common, KT_USES_FLOAT | KT_USES_SEED | KT_USES_FORCE);
   kt_options_read(
       &all,
       "Maps over two drivers of a mechanism with two freedoms: one sheet for each assembly mode at the pose, followed from "
@@ -284,7 +302,8 @@ kt_exit kspace_map(int argc, char **argv) {
       "analysis.actuators, else the drivers; --ask clearance the pairs of kspace clearance. The curves are followed by "
       "continuation of the closure with a null vector; each point is on the curve to rounding. Exit status 1: the list of "
       "modes may lack some, and so the sheets; the outline of the workspace isn't closed, or leaves grid points outside; or "
-      "Ctrl-C ended the work: the finished sheets and the curves found so far are written. Other numbers of freedoms than two are refused. JSON keys "
+      "Ctrl-C ended the work: the finished sheets and the curves found so far are written. --store keeps modes, grid points and curves, also of a run that "
+      "was killed, but for its last tenth of a second; the map is the same as that of one run without a stop. A store of another model, pose, option or version is refused. Other numbers of freedoms than two are refused. JSON keys "
       "beside those of every record: drivers (joint, from, to, steps), complete, reason (as that of modes), modes, sheets, aspects, curves, workspace "
       "(point, of a sphere: sphere with centre, radius, pole; area, holes: on a sphere one less than the parts out of reach, gap, outside, checked, aspects: aspect, area, circle, radius, rectangle, width, height, of a sphere cone (its axis) and half_angle), columns and "
       "rows of the grid.",

@@ -228,14 +228,16 @@ class Mechanism:
         return all_modes(self, state or self._copy(), hold, within_limits, seed, progress)
 
     def space_map(self, over: Any, *, point: Optional[str] = None, ask: str = "mobility", own: bool = False, limits: bool = False,
-                  clearance: Optional[float] = None, seed: int = 1, progress: Progress = None, state: Optional[State] = None) -> Any:
+                  clearance: Optional[float] = None, store: Optional[str] = None, replace: bool = False, seed: int = 1,
+                  progress: Progress = None, state: Optional[State] = None) -> Any:
         """A map over two drivers, {label: (from, to, values)} (a SpaceMap): one sheet for each assembly mode at a state, and
         the singularity curves of the drivers. point: "body/frame" that moves on a plane or a sphere, with its workspace. ask: "advantage",
         "forces" or "clearance" adds these to each cell. own: the sheet of the state only. limits: leaves out cells beyond the
-        joint limits; clearance: those in which bodies are nearer than so much."""
+        joint limits; clearance: those in which bodies are nearer than so much. store: a file that keeps what is found, so that
+        an equal call goes on where one was cancelled; replace: results of another map in it are deleted."""
         from .space import space_map
 
-        return space_map(self, state or self._copy(), over, point, ask, own, limits, clearance, seed, progress)
+        return space_map(self, state or self._copy(), over, point, ask, own, limits, clearance, store, replace, seed, progress)
 
     def space_path(self, to: Any, *, drivers: Optional[Sequence[str]] = None, margin: float = 0.0, ignore_limits: bool = False,
             seed: int = 1, progress: Progress = None, state: Optional[State] = None) -> Any:

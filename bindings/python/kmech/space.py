@@ -1,7 +1,8 @@
 """Configuration spaces: all assembly modes, their circuits, maps over two drivers, turning curves, singularity-free paths."""
 from __future__ import annotations
 
-from typing import Any, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+from contextlib import contextmanager
+from typing import Any, Iterator, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy
 
@@ -150,9 +151,24 @@ def _map_parts(mechanism: Mechanism, state: State, ask: str, locked: Any, cleara
     return added, _kept_pairs(mechanism, state, clearance)
 
 
+@contextmanager
+def _map_store(mechanism: Mechanism, state: State, definition: Any, seed: int, path: Optional[str], replace: bool) -> Iterator[None]:
+    """Opens the store of the definition's map, unless path is None, and closes it."""
+    error, opened = new_error(), ffi.new("km_map_store **")
+    if path is not None:
+        name = ffi.new("char[]", str(path).encode())
+        check(lib.km_map_store_open(name, mechanism._c, state._c, definition, seed, replace, opened, error), error)
+    definition.store = opened[0]
+    try:
+        yield
+    finally:
+        lib.km_map_store_free(opened[0])
+
+
 def space_map(mechanism: Mechanism, state: State, over: Mapping[str, Tuple[float, float, int]], point: Optional[str], ask: str,
-              own: bool, limits: bool, clearance: Optional[float], seed: int, progress: Progress) -> SpaceMap:
-    """The map over the drivers of `over`, label: (from, to, values); point: "body/frame"."""
+              own: bool, limits: bool, clearance: Optional[float], store: Optional[str], replace: bool, seed: int,
+              progress: Progress) -> SpaceMap:
+    """The map over the drivers of `over`, label: (from, to, values); point: "body/frame"; store: a file, or None."""
     error, watch = new_error(), Watch(progress)
     modes = ffi.gc(ffi.new("km_all_modes *"), lib.km_all_modes_free)
     found = ffi.gc(ffi.new("km_space_map *"), lib.km_space_map_free)
@@ -169,7 +185,8 @@ def space_map(mechanism: Mechanism, state: State, over: Mapping[str, Tuple[float
     with mechanism.model._reading(), state._using():
         figures, pairs = _map_parts(mechanism, state, ask, locked, clearance)
         definition.figures, definition.clearance = figures, pairs
-        status = lib.km_space_map_find(mechanism._c, state._c, definition, seed, watch.call, watch.context, modes, found, error)
+        with _map_store(mechanism, state, definition, seed, store, replace):
+            status = lib.km_space_map_find(mechanism._c, state._c, definition, seed, watch.call, watch.context, modes, found, error)
     watch.finish()
     check(status, error)
     return SpaceMap(table_of(found.cells, found), table_of(found.curves, found), found.sheet_count, found.curve_count,

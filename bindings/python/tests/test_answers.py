@@ -477,6 +477,21 @@ def test_maps_over_two_drivers(source):
         mechanism.space_map({"A": (-2, 2, 21), "E": (-2, 2, 21)}, progress=lambda done: False)
 
 
+def test_stored_maps_go_on(source, tmp_path):
+    mechanism, over, store = kmech.load(source / "models/five_bar.json").mechanism(), {"A": (-2, 2, 61), "E": (-2, 2, 61)}, str(tmp_path / "s")
+    expected = mechanism.space_map(over, point="rod1/P")
+    for stop in (0.0, 0.3, 0.6):
+        with pytest.raises(kmech.Cancelled):
+            mechanism.space_map(over, point="rod1/P", store=store, progress=lambda done: done <= stop)
+    found = mechanism.space_map(over, point="rod1/P", store=store)
+    for column in expected.cells.columns:
+        assert numpy.array_equal(found.cells[column], expected.cells[column], equal_nan=True)
+    assert found.workspace.area == expected.workspace.area
+    with pytest.raises(kmech.UsageError, match="another map"):
+        mechanism.space_map(over, store=store)
+    assert mechanism.space_map(over, store=store, replace=True).sheet_count == 2
+
+
 def test_remedies_end_what_is_redundant(source):
     for name, redundant in (("bennett", 3), ("sarrus3", 4), ("scissor_lift", 9), ("fourbar", 3)):
         model = kmech.load(source / f"models/{name}.json")

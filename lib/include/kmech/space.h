@@ -180,6 +180,9 @@ KM_API km_status km_map_figures_create(const km_mechanism *mechanism, km_state *
                                        const int *drivers, km_map_figures **out, km_error *error);
 KM_API void km_map_figures_free(km_map_figures *figures);
 
+/* A store of a map that is being followed. */
+typedef struct km_map_store km_map_store;
+
 /* Definition of a map. */
 typedef struct km_space_map_def {
   km_space_axis axis[2];  /* the drivers, of one part of the mechanism or of two */
@@ -192,6 +195,7 @@ typedef struct km_space_map_def {
   const km_clearance *clearance; /* cells in which a pair of bodies is nearer than `least_clearance` are left out, and
                                   * curves bound them; NULL: none */
   double least_clearance;        /* model's unit */
+  km_map_store *store;           /* keeps what is found, km_map_store_open; NULL: none */
 } km_space_map_def;
 
 /* The plane or sphere on which a map's point moves. Its chart, of equal areas: x_i = a_i·p of a plane; of a sphere
@@ -253,6 +257,20 @@ KM_API km_status km_map_modes_find(const km_mechanism *mechanism, const km_state
                                    unsigned long seed, km_progress progress, void *context, km_all_modes *out,
                                    km_error *error);
 
+/* Opens or creates the file that keeps what a map has found: modes, grid points with their figures, and curves. The map
+ * that is computed with it, in `def->store`, takes from it what is there, and computes and keeps the rest; tables and
+ * numbers have the same bits as those of a map without a store. Results are kept each tenth of a second, whatever
+ * ends the process. The file belongs to one version of the library, one model with its meshes, one pose, definition and
+ * `seed` (km_space_map_find). Figures are known by their names and units, not by what their function computes.
+ * `replace`: results of another map are deleted. Mechanism and definition must outlive the store, which the caller
+ * frees; one map at a time uses it, once. KM_USAGE: invalid definition, or the store of another map; KM_IO: the file
+ * can't be read or written, is damaged, or is in use by another run; KM_MEMORY. O(bytes of the file). */
+KM_API km_status km_map_store_open(const char *path, const km_mechanism *mechanism, const km_state *state,
+                                   const km_space_map_def *def, unsigned long seed, bool replace, km_map_store **out,
+                                   km_error *error);
+/* Commits and closes the file. */
+KM_API void km_map_store_free(km_map_store *store);
+
 /* Follows the configurations over a grid of two drivers, from each mode (km_map_modes_find) and from grid point to grid
  * point. A sheet ends at singular configurations of the drivers, where det A = 0, A the Jacobian's
  * columns of the other coordinates. sigma.input and sigma.closure are the smallest singular values of A and of J,
@@ -261,13 +279,15 @@ KM_API km_status km_map_modes_find(const km_mechanism *mechanism, const km_state
  * followed by continuation, each point to 1e-11; with a point also the ends of ranges, and its workspace is found. The
  * first mode is closed. Rods between two ball joints don't spin.
  * KM_USAGE: an axis is invalid or a ball joint's, the parts have not two freedoms beside such spins, or a point that
- * moves on no plane and no sphere; KM_MEMORY; KM_CANCELLED. Free `*out` in any case. O(cells · rank³). */
+ * moves on no plane and no sphere, or the store's map began from other modes; KM_MEMORY; KM_CANCELLED; KM_IO: the
+ * store. Free `*out` in any case. O(cells · rank³). */
 KM_API km_status km_space_map_compute(const km_mechanism *mechanism, const km_state *state, const km_space_map_def *def,
                                       const km_all_modes *modes, km_progress progress, void *context, km_space_map *out,
                                       km_error *error);
 KM_API void km_space_map_free(km_space_map *map);
 
-/* Finds the modes and then the map from them, with one course of progress. `seed`: as in km_all_modes_def. With
+/* Finds the modes and then the map from them, with one course of progress. `seed`: as in km_all_modes_def, and that of
+ * `def->store`, which keeps the modes too. With
  * own_sheet the first mode alone, that of the state, which is complete. Errors as km_map_modes_find and
  * km_space_map_compute. Free `*modes` and `*out` in any case. Cost: the sum of both. */
 KM_API km_status km_space_map_find(const km_mechanism *mechanism, const km_state *state, const km_space_map_def *def,

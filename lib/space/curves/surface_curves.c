@@ -3,6 +3,7 @@
  *   known : a point of a known curve is near, or the interpolant of two of its points is nearer than 1e-5 */
 #include "base/number/cubic.h"
 #include "base/number/vectors.h"
+#include "base/table.h"
 #include "space/curves/curve_search.h"
 
 #include <string.h>
@@ -164,4 +165,41 @@ bool km_surface_curves_leave(km_surface_curves *v, size_t i, double distance, bo
   for (int k = 0; k < v->system.order; ++k)
     f->step[k] = distance * v->system.z[k];
   return km_driver_surface_move(f, f->step);
+}
+
+/* Allocates the points from `first` up to `count`, and their rows. False when out of memory. */
+static bool add_raw_points(km_surface_curves *v, size_t first, size_t count) {
+  const km_driver_surface *f = v->system.f;
+  void *points = v->points;
+  if (!km_reserve(&points, &v->capacity, count + 1, sizeof *v->points))
+    return false;
+  v->points = points;
+  for (size_t i = first; i < count; ++i)
+    v->points[i] = (km_curve_point){.saved = KM_ARENA_NEW(&v->arena, double, f->saved_size),
+                                    .tangent = KM_ARENA_NEW(&v->arena, double, (size_t)f->columns)};
+  v->point_count = count;
+  return !v->arena.failed && (count == first || km_table_add_raw_rows(v->table, count - first));
+}
+
+bool km_surface_curves_pass(km_surface_curves *v, size_t first, km_piece *piece) {
+  const km_driver_surface *f = v->system.f;
+  size_t count = v->point_count, width = km_table_columns(v->table);
+  km_piece_pass(piece, &v->count, sizeof v->count);
+  km_piece_pass(piece, &count, sizeof count);
+  if (piece->is_read && !piece->failed && !add_raw_points(v, first, count))
+    return false;
+  for (size_t i = first; i < v->point_count; ++i) {
+    km_curve_point *p = &v->points[i];
+    km_piece_pass(piece, p->saved, f->saved_size * sizeof *p->saved);
+    km_piece_pass(piece, p->tangent, (size_t)f->columns * sizeof *p->tangent);
+    km_piece_pass(piece, &p->of.kind, sizeof p->of.kind);
+    km_piece_pass(piece, &p->of.column, sizeof p->of.column);
+    km_piece_pass(piece, &p->of.bound, sizeof p->of.bound);
+    km_piece_pass(piece, &p->of.is_signed, sizeof p->of.is_signed);
+    km_piece_pass(piece, &p->curve, sizeof p->curve);
+    km_piece_pass(piece, &p->is_crossing, sizeof p->is_crossing);
+    km_piece_pass(piece, &p->crossing, sizeof p->crossing);
+    km_piece_pass(piece, km_table_cells(v->table, i), width * sizeof(double));
+  }
+  return true;
 }

@@ -6,6 +6,7 @@
 #ifndef KM_SPACE_SURFACE_CURVES_H
 #define KM_SPACE_SURFACE_CURVES_H
 
+#include "base/store/piece_store.h"
 #include "space/driver_surface.h"
 
 typedef struct km_surface_curves km_surface_curves;
@@ -45,6 +46,10 @@ void km_curve_interpolate(int columns, const km_curve_point *p, const km_curve_p
                           double length, double *c);
 /* The points of all curves, row by row of the table. Borrowed. */
 const km_curve_point *km_surface_curves_points(const km_surface_curves *curves, size_t *count);
+
+/* Passes the curves' points from number `first` on, with their rows, to a piece or from it; not their critical points.
+ * False when out of memory. */
+bool km_surface_curves_pass(km_surface_curves *curves, size_t first, km_piece *piece);
 
 /* Critical points of the curves: extrema of the number. Borrowed. */
 const km_turning_point *km_surface_curves_critical(const km_surface_curves *curves, int *count);

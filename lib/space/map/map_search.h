@@ -26,15 +26,16 @@ typedef struct km_map_search {
   km_progress_stage stage;
   km_surface_curves *curves;
   km_arena arena;
-  int last_sheet;                 /* number of the newest sheet */
-  size_t left_points;             /* points of curves from whose sides sheets were followed */
-  size_t crossed_points;          /* points of curves whose crossing curves were added */
-  int across, down;               /* grid points along both drivers */
-  double *before;                 /* [saved_size] start of a step */
-  double *saved, *N;              /* [cell][saved_size], [cell][2 · columns] */
-  signed char *sign;              /* [cell] of det A; 0: not reached */
-  km_known_configuration **known; /* [cell] those of all sheets, the present one first */
-  int *queue;
+  int last_sheet;                    /* number of the newest sheet */
+  size_t left_points;                /* points of curves from whose sides sheets were followed */
+  size_t crossed_points;             /* points of curves whose crossing curves were added */
+  int across, down;                  /* grid points along both drivers */
+  double *before;                    /* [saved_size] start of a step */
+  double *saved, *N;                 /* [cell][saved_size], [cell][2 · columns] */
+  signed char *sign;                 /* [cell] of det A; 0: not reached */
+  km_known_configuration **known;    /* [cell] those of all sheets, the present one first */
+  int *queue;                        /* [tail] cells of the present sheet in the order in which they were reached */
+  int tail, sheet;                   /* number of the present sheet */
   signed char *output_sign;          /* [cell] of det D; 0: no point, or on a curve */
   double *output;                    /* [cell][3] det (J; G), and its derivatives over a grid step along both drivers */
   double *rows;                      /* [cell × columns of the table] of the present sheet */
@@ -83,6 +84,10 @@ void km_map_number_aspect(km_map_search *g, int first, int *stack);
 int km_map_enter_grid(km_map_search *g, int *sign, double *N);
 /* The state's configuration among those that sheets have at a cell, but for full turns of hinges; NULL: it isn't. */
 km_known_configuration *km_map_find_known(const km_map_search *g, int cell);
+/* Notes the state's configuration among those of a cell. False when out of memory. */
+bool km_map_note_configuration(km_map_search *g, int cell);
+/* Checks axes and point. KM_USAGE. */
+km_status km_map_check_definition(const km_mechanism *m, const km_space_map_def *def, km_error *error);
 /* Adds the tables' columns. False when out of memory. */
 bool km_map_add_columns(km_map_search *g);
 /* Fills the row of the present cell, its aspect left open. N: tangents there. *output_sign: that of det D. False: the

@@ -4,6 +4,7 @@
 #include "base/random.h"
 #include "base/table.h"
 #include "kinematics/loop_closing.h"
+#include "space/map/map_store.h"
 #include "space/map/map_workspace.h"
 
 #include <string.h>
@@ -13,7 +14,8 @@ enum {
   SPREAD_POINTS = 1024, /* grid points that may be random starts */
   SPREAD_STRIDE = 32,
   CLOSING_ROUNDS = 4, /* eight steps of Newton's method each */
-  CURVE_STRIDE = 4    /* points of a curve from one start of sheets to the next */
+  CURVE_STRIDE = 4,   /* points of a curve from one start of sheets to the next */
+  PART_CELLS = 64     /* grid points of a part of the search */
 };
 static const double leaving_distance = 0.05; /* distance of a start from its singularity curve */
 /* Part of the work before each share of km_map_share: about that of the five-bar's and the wrist's maps. */
@@ -22,17 +24,17 @@ static const double share_of_modes = 0.1; /* maps of models/ spend less of their
 static const double most_curve_distance =
     0.1; /* largest one of grid points to a known curve for which they don't look for another */
 
-/* Writes the rows of the sheet's `count` cells, in the order in which they were reached. */
-static bool write_sheet(km_map_search *g, int count) {
+/* Writes the rows of the sheet's cells, in the order in which they were reached. */
+static bool write_sheet(km_map_search *g) {
   size_t width = km_table_columns(g->out->cells);
   memset(g->aspect, 0, (size_t)g->across * (size_t)g->down * sizeof *g->aspect);
-  for (int i = 0; i < count; ++i) {
+  for (int i = 0; i < g->tail; ++i) {
     int cell = g->queue[i];
     if (!g->is_written[cell])
       continue;
     bool is_singular = g->f.frame >= 0 && g->output_sign[cell] == 0;
     if (!g->aspect[cell] && !is_singular)
-      km_map_number_aspect(g, cell, g->queue + count);
+      km_map_number_aspect(g, cell, g->queue + g->tail);
     double *row = km_table_add_row(g->out->cells);
     if (!row)
       return false;
@@ -49,7 +51,7 @@ km_known_configuration *km_map_find_known(const km_map_search *g, int cell) {
   return at;
 }
 
-static bool note_configuration(km_map_search *g, int cell) {
+bool km_map_note_configuration(km_map_search *g, int cell) {
   km_known_configuration *known = KM_ARENA_NEW(&g->arena, km_known_configuration, 1);
   double *saved = KM_ARENA_NEW(&g->arena, double, g->f.saved_size);
   if (!known || !saved)
@@ -61,15 +63,15 @@ static bool note_configuration(km_map_search *g, int cell) {
 }
 
 /* Records the present cell and puts it into the queue. */
-static bool record(km_map_search *g, int sheet, int cell, int sign, int *tail) {
+static bool record(km_map_search *g, int cell, int sign) {
   km_driver_surface *f = &g->f;
   double *N = g->N + (size_t)cell * 2 * (size_t)f->columns;
   int output_sign = 0;
   km_driver_surface_rates(&g->f, N);
   km_driver_surface_save(f, g->saved + (size_t)cell * f->saved_size);
   g->sign[cell] = (signed char)sign;
-  g->queue[(*tail)++] = cell;
-  bool is_ok = note_configuration(g, cell) && km_map_fill_row(g, cell, sheet, N, &output_sign);
+  g->queue[g->tail++] = cell;
+  bool is_ok = km_map_note_configuration(g, cell) && km_map_fill_row(g, cell, g->sheet, N, &output_sign);
   g->output_sign[cell] = (signed char)output_sign;
   for (int d = 0; d < 2 && f->frame >= 0; ++d) {
     const double step = km_map_axis_value(g, d, 1) - km_map_axis_value(g, d, 0),
@@ -82,15 +84,14 @@ static bool record(km_map_search *g, int sheet, int cell, int sign, int *tail) {
 
 /* Visits the four neighbours of a cell. `*is_edge`: one of them isn't reached. `*is_turned`: det D has another sign
  * there. */
-static bool visit_neighbours(km_map_search *g, int sheet, int cell, double *N, int *tail, bool *is_edge,
-                             bool *is_turned) {
+static bool visit_neighbours(km_map_search *g, int cell, double *N, bool *is_edge, bool *is_turned) {
   for (int k = 0; k < 4; ++k) {
     int next = km_map_neighbour(g, cell, k);
     if (next < 0)
       continue;
     if (!g->sign[next] && !km_map_reach(g, cell, next, N))
       *is_edge = true;
-    else if (!g->sign[next] && !km_map_find_known(g, next) && !record(g, sheet, next, g->sign[cell], tail))
+    else if (!g->sign[next] && !km_map_find_known(g, next) && !record(g, next, g->sign[cell]))
       return false;
     *is_turned = *is_turned || (g->sign[next] && g->output_sign[cell] != g->output_sign[next]);
   }
@@ -200,46 +201,76 @@ km_status km_map_report(km_map_search *g, double done, km_error *error) {
                                                    : km_fail(error, KM_CANCELLED, "stopped while the map was followed");
 }
 
-/* Follows one sheet from the state's configuration; it counts if it has at least `least` grid points. */
-static km_status follow_sheet(km_map_search *g, int sheet, int least, km_error *error) {
+/* End of the part of the queue that begins at `first`, as far as the queue goes. */
+static size_t part_end(const km_map_search *g, size_t first) {
+  size_t tail = (size_t)g->tail;
+  return first + PART_CELLS < tail ? first + PART_CELLS : tail;
+}
+
+/* A km_map_work: visits the neighbours of a part of the queue, and adds the curves at its edges. */
+static km_status extend_sheet(km_map_search *g, size_t first, km_error *error) {
   const km_surface_curve input = {.kind = KM_CURVE_INPUT}, output = {.kind = KM_CURVE_OUTPUT};
-  int cells = g->across * g->down, tail = 0, sign;
-  int first = km_map_enter_grid(g, &sign, g->start_N);
-  if (first < 0 || km_map_find_known(g, first))
-    return KM_OK;
-  memset(g->sign, 0, (size_t)cells);
-  memset(g->is_written, 0, (size_t)cells * sizeof *g->is_written);
-  if (!record(g, sheet, first, sign, &tail))
-    return not_recorded(g, error);
-  for (int head = 0; head < tail; ++head) {
+  for (size_t head = first; head < part_end(g, first); ++head) {
     bool is_edge = false, is_turned = false;
     int cell = g->queue[head];
-    km_status status = head % 256 == 0 ? km_map_report(g, (double)head / cells, error) : KM_OK;
-    if (status)
-      return status;
-    if (!visit_neighbours(g, sheet, cell, g->start_N, &tail, &is_edge, &is_turned))
+    if (!visit_neighbours(g, cell, g->start_N, &is_edge, &is_turned))
       return not_recorded(g, error);
     const double *saved = g->saved + (size_t)cell * g->f.saved_size;
     if ((is_edge && !km_surface_curves_add(g->curves, &input, saved, g->curve_distance)) ||
         (is_turned && !km_surface_curves_add(g->curves, &output, saved, g->curve_distance)))
       return no_memory(error);
   }
-  for (int i = 0; i < tail; ++i)
+  return KM_OK;
+}
+
+/* A km_map_work: adds the curves within a part of the sheet, and its limits. */
+static km_status add_further_curves(km_map_search *g, size_t first, km_error *error) {
+  for (size_t i = first; i < part_end(g, first); ++i)
     if (!add_inner_curves(g, g->queue[i]) || !add_limits(g, g->queue[i]))
       return no_memory(error);
-  if (tail < least) { /* grid points at the edge of another sheet, which may reach them */
-    for (int i = 0; i < tail; ++i)
+  return KM_OK;
+}
+
+/* Does the work for all parts of the queue, which it may extend. */
+static km_status do_parts(km_map_search *g, km_map_work work, km_error *error) {
+  km_status status = KM_OK;
+  for (size_t first = 0; !status && first < (size_t)g->tail; first = part_end(g, first)) {
+    status = km_map_report(g, (double)first / (g->across * g->down), error);
+    if (!status)
+      status = km_map_do(g, work, first, error);
+  }
+  return status;
+}
+
+/* Follows one sheet from the state's configuration; it counts if it has at least `least` grid points. */
+static km_status follow_sheet(km_map_search *g, int sheet, int least, km_error *error) {
+  int sign, first = km_map_enter_grid(g, &sign, g->start_N);
+  if (first < 0 || km_map_find_known(g, first))
+    return KM_OK;
+  memset(g->sign, 0, (size_t)g->across * (size_t)g->down);
+  memset(g->is_written, 0, (size_t)g->across * (size_t)g->down * sizeof *g->is_written);
+  g->sheet = sheet;
+  g->tail = 0;
+  if (!record(g, first, sign))
+    return not_recorded(g, error);
+  km_status status = do_parts(g, extend_sheet, error);
+  if (!status)
+    status = do_parts(g, add_further_curves, error);
+  if (status)
+    return status;
+  if (g->tail < least) { /* grid points at the edge of another sheet, which may reach them */
+    for (int i = 0; i < g->tail; ++i)
       g->known[g->queue[i]] = g->known[g->queue[i]]->next;
     return KM_OK;
   }
   ++g->out->sheet_count;
   g->last_sheet = sheet;
-  return write_sheet(g, tail) ? KM_OK : no_memory(error);
+  return write_sheet(g) ? KM_OK : no_memory(error);
 }
 
 /* ---- Preparation. */
 
-static km_status check_axes(const km_mechanism *m, const km_space_map_def *def, km_error *error) {
+km_status km_map_check_definition(const km_mechanism *m, const km_space_map_def *def, km_error *error) {
   for (int d = 0; d < 2; ++d) {
     const km_space_axis *a = &def->axis[d];
     km_status status = km_check_index(a->coordinate, m->coordinate_count, "coordinate", error);
@@ -412,17 +443,26 @@ static km_status follow_sheets_of_random_starts(km_map_search *g, const double *
   return status;
 }
 
+/* A km_map_work: adds the curve that crosses at a point. */
+static km_status add_crossing_curve(km_map_search *g, size_t point, km_error *error) {
+  size_t count;
+  const km_curve_point *at = &km_surface_curves_points(g->curves, &count)[point];
+  const km_surface_curve other = {.kind = at->crossing};
+  return km_surface_curves_add(g->curves, &other, at->saved, 0.0) ? KM_OK : no_memory(error);
+}
+
 /* Adds the curves that cross known ones: some are no edge of a sheet, such as a point of the drivers' plane. */
 static km_status add_crossing_curves(km_map_search *g, km_error *error) {
   km_status status = KM_OK;
   size_t count;
   km_surface_curves_points(g->curves, &count);
   for (; !status && g->crossed_points < count; ++g->crossed_points) {
-    const km_curve_point at = km_surface_curves_points(g->curves, &count)[g->crossed_points];
-    const km_surface_curve other = {.kind = at.crossing};
-    if (!at.is_crossing || at.crossing == at.of.kind)
+    const km_curve_point *at = &km_surface_curves_points(g->curves, &count)[g->crossed_points];
+    if (!at->is_crossing || at->crossing == at->of.kind)
       continue;
-    status = km_surface_curves_add(g->curves, &other, at.saved, 0.0) ? begin_point(g, error) : no_memory(error);
+    status = km_map_do(g, add_crossing_curve, g->crossed_points, error);
+    if (!status)
+      status = begin_point(g, error);
     km_surface_curves_points(g->curves, &count);
   }
   return status;
@@ -482,7 +522,7 @@ km_status km_space_map_compute(const km_mechanism *m, const km_state *s, const k
     status = km_check_given(def && modes && (modes->coordinates || modes->count == 0), "definition or modes of the map",
                             error);
   if (!status)
-    status = check_axes(m, def, error);
+    status = km_map_check_definition(m, def, error);
   if (status)
     return status;
   km_map_search g = {.f = {.m = m, .frame = def->has_point ? def->frame : -1},
@@ -496,6 +536,8 @@ km_status km_space_map_compute(const km_mechanism *m, const km_state *s, const k
   }
   if (!status)
     status = prepare_grid(&g, error);
+  if (!status)
+    status = km_map_check_modes(&g, modes, error);
   if (!status)
     status = find(&g, modes, error);
   out->is_stopped = status == KM_CANCELLED;
@@ -517,8 +559,9 @@ km_status km_space_map_find(const km_mechanism *m, const km_state *s, const km_s
     return km_check_given(false, "definition of the map", error);
   km_progress_stage stage = {.progress = progress, .context = context};
   km_progress_stage_next(&stage, share_of_modes);
-  km_status status = km_map_modes_find(m, s, def->axis[0].coordinate, def->axis[1].coordinate, seed,
-                                       km_progress_stage_report, &stage, modes, error);
+  km_status status = def->store ? km_map_store_modes(def->store, m, s, km_progress_stage_report, &stage, modes, error)
+                                : km_map_modes_find(m, s, def->axis[0].coordinate, def->axis[1].coordinate, seed,
+                                                    km_progress_stage_report, &stage, modes, error);
   km_progress_stage_next(&stage, 1.0);
   if (!status && def->own_sheet) {
     modes->count = modes->count > 1 ? 1 : modes->count;

@@ -164,3 +164,19 @@ void km_condition_rows_take(const km_condition_rows *p, const double *A_all, int
   for (int k = 0; k < columns && p->rows > 0; ++k)
     A[k * p->rows] *= choice->sense;
 }
+
+bool km_condition_rows_pass(km_condition_rows *p, int first, km_piece *piece) {
+  int count = p->count, sense = 1;
+  km_piece_pass(piece, &count, sizeof count);
+  for (int i = first; i < count && !piece->failed; ++i) {
+    if (!piece->is_read) {
+      memcpy(p->next, p->choices[i].row, (size_t)p->rows * sizeof *p->next);
+      sense = p->choices[i].sense;
+    }
+    km_piece_pass(piece, p->next, (size_t)p->rows * sizeof *p->next);
+    km_piece_pass(piece, &sense, sizeof sense);
+    if (piece->is_read && !piece->failed && !make_present(p, sense))
+      return false;
+  }
+  return true;
+}

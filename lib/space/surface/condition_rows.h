@@ -8,6 +8,7 @@
 #define KM_SPACE_CONDITION_ROWS_H
 
 #include "base/memory.h"
+#include "base/store/piece_store.h"
 
 #include <stdbool.h>
 
@@ -36,6 +37,8 @@ bool km_condition_rows_choose(km_condition_rows *p, const double *J_all);
 /* Exchanges rows until |W_ij| ≤ 2. *is_changed: some were. False where the primary rows depend on each other; the
  * choice is then the same, as when out of memory. */
 bool km_condition_rows_exchange(km_condition_rows *p, const double *J_all, bool *is_changed);
+/* Passes the choices from number `first` on to a piece or from it. False when out of memory. */
+bool km_condition_rows_pass(km_condition_rows *p, int first, km_piece *piece);
 /* Copies the primary rows of A_all[all × columns] to A[rows × columns]; A may be A_all if all rows are primary. */
 void km_condition_rows_take(const km_condition_rows *p, const double *A_all, int columns, double *A);
 
