@@ -59,10 +59,11 @@ km_status km_store_file_insert(const km_store_file *s, const char *sql, const ch
   return code == SQLITE_DONE ? KM_OK : km_store_file_fail(s, error);
 }
 
-/* The value of a key in the table named by the kind; NULL: none, or no such table. */
+/* The value of a key in the table named by the kind; NULL: none, no such table, or out of memory (arena.failed). */
 static const char *value_of(km_store_file *s, const char *key) {
   km_text sql = {0};
   km_text_format(&sql, "SELECT value FROM %s WHERE key = ?", s->of->kind);
+  s->arena.failed = s->arena.failed || sql.failed;
   const char *value = sql.failed ? NULL : km_store_file_text(s, sql.data, key);
   km_text_free(&sql);
   return value;
