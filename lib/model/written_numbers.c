@@ -15,7 +15,7 @@ static bool is_given_by(double x, int digits, int *exponent) {
   char text[40];
   snprintf(text, sizeof text, "%.*e", digits - 1, x);
   char *mark = strchr(text, 'e');
-  *exponent = mark ? atoi(mark + 1) : 0;
+  *exponent = mark ? (int)strtol(mark + 1, NULL, 10) : 0;
   return km_number_read(text, NULL) == x;
 }
 

@@ -27,8 +27,17 @@ static int count_loops(const km_complex_closure *c, int column) {
   return count;
 }
 
-/* Step of the ball joint, or planar hinge, that closes a loop and belongs to no other one; −1: none. The loop's rows
- * are taken where its frames meet, so that the joint turns no position. */
+/* True if a step is a hinge, or a ball, where the frames of a loop meet: it turns no position there. */
+static bool is_hinge_at_end(const km_planar_step *step, const km_loop *loop) {
+  const double *point = loop->planar_closing_point[0];
+  return !step->is_slide && step->to == loop->slot[0] && point[0] == 0.0 && point[1] == 0.0;
+}
+
+static bool is_ball_at_end(const km_step *step, const km_loop *loop) {
+  return step->primitive == KM_BALL && step->to == loop->slot[0] && km_vec3_norm(loop->closing_frame[0].p) == 0.0;
+}
+
+/* Step of the ball joint, or planar hinge, that closes a loop and belongs to no other one; −1: none. */
 static int find_closing_step(const km_complex_closure *c, const km_state *s, const km_program *program,
                              const km_loop *loop) {
   const km_mechanism *m = c->m;
@@ -36,14 +45,10 @@ static int find_closing_step(const km_complex_closure *c, const km_state *s, con
   if (!loop->has_moving_point || loop->lambda != (program->planar ? 3 : 6))
     return -1;
   for (int i = 0; i < program->step_count; ++i) {
-    const km_step *spatial = program->planar ? NULL : &m->steps[program->step_start + i];
-    const km_planar_step *planar = program->planar ? &m->planar_steps[program->step_start + i] : NULL;
-    bool turns_freely = planar ? !planar->is_slide && planar->to == loop->slot[0] &&
-                                     loop->planar_closing_point[0][0] == 0.0 && loop->planar_closing_point[0][1] == 0.0
-                               : spatial->primitive == KM_BALL && spatial->to == loop->slot[0] &&
-                                     km_vec3_norm(loop->closing_frame[0].p) == 0.0;
-    int coordinate = planar ? planar->coordinate : spatial->coordinate;
-    if (turns_freely && !s->locked[coordinate] && m->model->coordinates[coordinate].joint == chord &&
+    int k = program->step_start + i;
+    bool is_at_end = program->planar ? is_hinge_at_end(&m->planar_steps[k], loop) : is_ball_at_end(&m->steps[k], loop);
+    int coordinate = program->planar ? m->planar_steps[k].coordinate : m->steps[k].coordinate;
+    if (is_at_end && !s->locked[coordinate] && m->model->coordinates[coordinate].joint == chord &&
         count_loops(c, km_complex_column(c, coordinate)) == 1)
       return i;
   }
