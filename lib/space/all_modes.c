@@ -131,10 +131,10 @@ static km_status lock_and_close(modes_search *f, km_error *error) {
   return km_mode_close(&f->work) ? KM_OK : close_from_elsewhere(f, error);
 }
 
-/* Says how many joints must be held. */
+/* Says how many joints must be locked. */
 static km_status explain_freedom(int freedom, km_error *error) {
   return km_fail(error, KM_USAGE,
-                 "the bodies can still move in %d way%s, so that there are no separate assembly modes; hold %d joint%s "
+                 "the bodies can still move in %d way%s, so that there are no separate assembly modes; lock %d joint%s "
                  "more",
                  freedom, freedom == 1 ? "" : "s", freedom, freedom == 1 ? "" : "s");
 }

@@ -182,11 +182,11 @@ static void test_hub_is_rigid_beside_a_pole(void **state) {
     km_wide x[128];
     km_complex_from_state(&u.c, u.s, x);
     for (int k = 0; k < hub->count; ++k)
-      if (hub->chain[k]->primitive == KM_REVOLUTE)
-        x[u.c.start_of[km_complex_column(&u.c, hub->chain[k]->coordinate)]] += km_wide_of(0.3, 12.0);
+      if (hub->steps[k]->primitive == KM_REVOLUTE)
+        x[u.c.start_of[km_complex_column(&u.c, hub->steps[k]->coordinate)]] += km_wide_of(0.3, 12.0);
     const km_program *program = &u.m->programs[u.c.sub->program_start];
     km_complex_compute_chains(&u.c, program, x, &(km_complex_values){0});
-    km_wide_pose *H = &u.c.wide_slot[hub->count ? hub->chain[hub->count - 1]->to : hub->ball->to];
+    km_wide_pose *H = &u.c.wide_slot[hub->count ? hub->steps[hub->count - 1]->to : hub->ball->to];
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) {
         km_wide product = H->R[i][0] * H->R[j][0] + H->R[i][1] * H->R[j][1] + H->R[i][2] * H->R[j][2];

@@ -37,7 +37,7 @@ static void print_gap(const km_all_modes *m, km_text *out) {
     km_text_format(
         out,
         "at least these: the trace test did not pass. %d complex solutions are known, about %d are estimated "
-        "(%d of %d finds were found once); another --seed may find the rest\n",
+        "(random starts found %d of them once only, in %d finds); another --seed may find more\n",
         m->complex_solutions, m->estimate, m->found_once, m->samples);
     break;
   case KM_GAP_LOST:
@@ -50,9 +50,8 @@ static void print_gap(const km_all_modes *m, km_text *out) {
                    m->singular, m->complex_solutions);
     break;
   case KM_GAP_MOVES:
-    km_text_add(out,
-                "self-motion: bodies move although the held joints stay. Modes that move are samples, and there are "
-                "as many as you like; hold one joint more, or change a dimension\n");
+    km_text_add(out, "self-motion: bodies move although the locked joints stay. Modes that move are samples of "
+                     "infinitely many; lock one joint more by --set, or change a dimension\n");
     break;
   case KM_GAP_LIMIT:
     km_text_format(out, "at least these: the search ended at its limit of work; %d complex solutions are known\n",
@@ -69,10 +68,12 @@ static void print_gap(const km_all_modes *m, km_text *out) {
 
 /* Worst figures of the proofs. */
 static void print_proofs(const km_all_modes *m, km_text *out) {
-  int proved = 0;
+  int proved = 0, left_out = 0;
   double bound = 0.0, radius = HUGE_VAL;
   for (int i = 0; i < m->count; ++i)
-    if (m->evidence[i].is_certified) {
+    if (!m->evidence[i].is_certified && m->evidence[i].kantorovich <= 0.5) {
+      ++left_out; /* the proof holds for the equations that are left, not for the others */
+    } else if (m->evidence[i].is_certified) {
       ++proved;
       bound = fmax(bound, m->evidence[i].error_bound);
       radius = fmin(radius, m->evidence[i].radius);
@@ -80,6 +81,8 @@ static void print_proofs(const km_all_modes *m, km_text *out) {
   if (proved > 0)
     km_text_format(out, "proved: %s%d of them, each one solution within %.2g rad or sizes and no other within %.2g\n",
                    proved == m->count ? "all " : "", proved, bound, radius);
+  if (left_out > 0)
+    km_text_add(out, "not proved: the loops are overconstrained, so that some of their equations are left out\n");
   if (m->outside > 0)
     km_text_format(out, "%d mode%s outside the joint limits\n", m->outside, m->outside == 1 ? " is" : "s are");
 }
@@ -105,7 +108,7 @@ static void print_circuits(const kspace_modes_answer *a, km_text *out) {
   case KM_CIRCUIT_GAP_LOST:
     if (c->freedom == 0) {
       km_text_add(out,
-                  "circuits: nothing moves with the held joints free, so that each mode is a circuit of its own\n");
+                  "circuits: nothing moves with the locked joints free, so that each mode is a circuit of its own\n");
       return;
     }
     if (a->modes.count == 1) {
@@ -124,7 +127,7 @@ static void print_circuits(const kspace_modes_answer *a, km_text *out) {
     return;
   case KM_CIRCUIT_GAP_FREEDOMS:
     km_text_format(out,
-                   "circuits: not answered, since the bodies move in %d ways with the held joints free, not in one; "
+                   "circuits: not answered, since the bodies move in %d ways with the locked joints free, not in one; "
                    "hold all joints but one rigid by --hold\n",
                    c->freedom);
     return;

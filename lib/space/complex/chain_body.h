@@ -94,7 +94,7 @@ static POSE OF(hub_displacement)(const km_complex_closure *c, const km_complex_h
                                  const km_complex *rates, km_complex *w) {
   POSE T = OF(identity);
   for (int i = 0; i < hub->count; ++i) {
-    const km_step *step = hub->chain[i];
+    const km_step *step = hub->steps[i];
     int unknown = c->unknown_of[km_complex_column(c, step->coordinate)];
     km_complex h[6];
     OF(pose_product)(&T, &step->before, step->has_rotation, &T);
@@ -128,7 +128,7 @@ static void OF(apply_ball)(const km_complex_closure *c, const km_step *step, con
     memcpy(X->R, R, sizeof R);
     return;
   }
-  POSE T = OF(hub_displacement)(c, hub, x, NULL, NULL), *at = &slot[hub->chain[hub->count - 1]->to];
+  POSE T = OF(hub_displacement)(c, hub, x, NULL, NULL), *at = &slot[hub->steps[hub->count - 1]->to];
   OF(rotate_back)(T.R, T.p, u);
   memcpy(at->R, R, sizeof R);
   OF(rotate)(R, u, at->p);

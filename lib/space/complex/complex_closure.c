@@ -7,28 +7,23 @@
 
 /* ---- Configurations. */
 
-/* Quaternion of a ball from the frame before it to that behind it: of a reversed joint the inverse. */
+/* Quaternion of a ball from the frame before it to that behind it. It is inverted if the joint is reversed. */
 static km_quaternion oriented(km_quaternion Q, double sign) {
   return (km_quaternion){Q.w, sign * Q.x, sign * Q.y, sign * Q.z};
-}
-
-static void set_quaternion(km_quaternion Q, km_wide *x) {
-  const km_wide numbers[4] = {Q.w, Q.x, Q.y, Q.z};
-  memcpy(x, numbers, sizeof numbers);
 }
 
 void km_complex_from_state(const km_complex_closure *c, const km_state *s, km_wide *x) {
   for (int k = 0; k < c->sub->columns; ++k) {
     int coordinate = c->m->column_coordinate[c->sub->column_start + k];
     if (km_complex_begins_ball(c, k)) {
-      set_quaternion(oriented(s->ball[c->m->ball_of[coordinate]], c->hub[k].ball->sign), &x[c->start_of[k]]);
+      km_complex_set_quaternion(oriented(s->ball[c->m->ball_of[coordinate]], c->hub[k].ball->sign), &x[c->start_of[k]]);
     } else if (!km_complex_is_ball(c, k)) {
       x[c->start_of[k]] = s->q[coordinate] / c->m->unit[coordinate];
     }
   }
   for (int k = 0; k < c->sub->columns; ++k)
     if (c->hub[k].count > 0)
-      set_quaternion(km_complex_hub_quaternion(c, k, x), &x[c->start_of[k]]);
+      km_complex_set_quaternion(km_complex_hub_quaternion(c, k, x), &x[c->start_of[k]]);
 }
 
 /* Sets the joints that close loops. */
@@ -139,7 +134,7 @@ double km_complex_move(const km_complex_closure *c, const km_complex *step, km_w
 
 void km_complex_randomise(const km_complex_closure *c, const km_wide *centre, double distance, uint64_t *random,
                           km_wide *x) {
-  memcpy(x, centre, (size_t)c->length * sizeof *x);
+  memmove(x, centre, (size_t)c->length * sizeof *x);
   for (int k = 0; k < c->sub->columns; ++k)
     if (c->unknown_of[k] >= 0)
       c->step[c->unknown_of[k]] = distance * km_complex_random(random);

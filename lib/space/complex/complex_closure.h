@@ -88,10 +88,11 @@ typedef struct km_slot_weight {
 typedef struct km_complex_hub {
   const km_step *ball;   /* NULL: no ball */
   int count;             /* steps from the ball to the hub; 0: the hub is the ball's own body */
-  const km_step **chain; /* [count] */
+  const km_step **steps; /* [count] */
 } km_complex_hub;
 
-/* The square system of one substructure. Immutable after its creation but for the workspace. */
+/* The square system of one substructure. One thread at a time: functions write its workspace. The coefficients of the
+ * trace's functional are chosen later (km_complex_choose_trace). */
 typedef struct km_complex_closure {
   const km_mechanism *m;
   const km_substructure *sub;
@@ -145,7 +146,7 @@ void km_complex_from_state(const km_complex_closure *c, const km_state *state, k
 /* Copies the real part of a configuration to a state. Joints that close loops take the rotation that closes them, in x
  * too. */
 void km_complex_to_state(const km_complex_closure *c, km_wide *x, km_state *state);
-/* Writes a random complex configuration beside `centre`: x <- exp(δ) centre with |δ_i| <= distance. */
+/* Writes a random complex configuration beside `centre`, which may be x: x <- exp(δ) centre with |δ_i| <= distance. */
 void km_complex_randomise(const km_complex_closure *c, const km_wide *centre, double distance, uint64_t *random,
                           km_wide *x);
 
@@ -162,6 +163,8 @@ km_complex_extent km_complex_pose_extent(const km_complex_closure *c, const km_w
 bool km_complex_is_same_mode(const km_complex_closure *c, const km_wide *x, const km_wide *other, double tolerance);
 /* Value of the trace's functional. */
 km_complex km_complex_trace(const km_complex_closure *c, const km_wide *x);
+/* Draws random coefficients of the trace's functional for all slots and ends. */
+void km_complex_redraw_trace(km_complex_closure *c, uint64_t *random);
 /* Chooses the trace's functional: a random function of the first slot whose position differs in all `count`
  * configurations, else of the first one whose pose does, else of all slots. The fewer it takes, the fewer points has a
  * section of a curve. */

@@ -65,7 +65,7 @@ static km_body_identity identity_of_slot(const km_mechanism *m, const km_body_pl
   return own == KM_BODY_PASSIVE && is_shared ? KM_BODY_POINT : own;
 }
 
-/* Parts of a slot's pose that are a function of the bodies' places. */
+/* Draws random coefficients of the parts of a slot's pose that count. */
 static void random_weight(const km_program *program, km_body_identity identity, uint64_t *random, km_slot_weight *out) {
   *out = (km_slot_weight){0};
   if (identity == KM_BODY_PASSIVE)
@@ -155,20 +155,28 @@ static bool is_separating(const km_complex_closure *c, const km_wide *points, in
   return true;
 }
 
+/* Draws random coefficients where those of another functional aren't 0: of positions, and of rotations. */
+static void draw_like(const km_slot_weight *other, bool has_rotation, uint64_t *random, km_slot_weight *out) {
+  for (int k = 0; k < 3; ++k) {
+    out->p[k] = other->p[k] == 0.0 ? 0.0 : km_complex_random(random);
+    for (int j = 0; j < 3; ++j)
+      out->R[k][j] = other->R[k][j] == 0.0 || !has_rotation ? 0.0 : km_complex_random(random);
+  }
+}
+
+void km_complex_redraw_trace(km_complex_closure *c, uint64_t *random) {
+  for (int i = 0; i < c->end_start + 2 * c->sub->loop_count; ++i)
+    draw_like(&c->weight[0][i], true, random, &c->weight[KM_TRACE][i]);
+}
+
 void km_complex_choose_trace(km_complex_closure *c, const km_wide *points, int count, uint64_t *random) {
   int steps = c->end_start + 2 * c->sub->loop_count;
   km_slot_weight *trace = c->weight[KM_TRACE];
-  const km_slot_weight *all = c->weight[0];
   for (int i = 0; i < 2 * steps && count >= LEAST_SEPARATED; ++i) {
-    km_slot_weight *one = &trace[i % steps];
     memset(trace, 0, (size_t)steps * sizeof *trace);
-    for (int k = 0; k < 3; ++k) {
-      one->p[k] = all[i % steps].p[k] == 0.0 ? 0.0 : km_complex_random(random);
-      for (int j = 0; j < 3 && i >= steps; ++j)
-        one->R[k][j] = all[i % steps].R[k][j] == 0.0 ? 0.0 : km_complex_random(random);
-    }
+    draw_like(&c->weight[0][i % steps], i >= steps, random, &trace[i % steps]);
     if (is_separating(c, points, count))
       return;
   }
-  memcpy(trace, all, (size_t)steps * sizeof *trace);
+  km_complex_redraw_trace(c, random);
 }

@@ -17,6 +17,11 @@ static inline bool km_complex_begins_ball(const km_complex_closure *c, int colum
 /* Draws the coefficients of the fingerprint's functionals; weights of the trace's one are 0. */
 void km_complex_draw_weights(km_complex_closure *c, uint64_t *random, km_arena *arena);
 
+static inline void km_complex_set_quaternion(km_quaternion Q, km_wide *x) {
+  const km_wide numbers[4] = {Q.w, Q.x, Q.y, Q.z};
+  memcpy(x, numbers, sizeof numbers);
+}
+
 /* Coefficients of a program: of its slots by step, and of the two ends of each of its loops. */
 typedef struct km_program_weight {
   const km_slot_weight *slot, *end;
@@ -46,7 +51,7 @@ static inline void km_complex_extend(km_complex_extent *extent, km_complex z) {
   extent->imaginary = fmax(extent->imaginary, fabs(cimag(z)));
 }
 
-/* Returns the first column of a step's coordinate, −1 if it is held. */
+/* First column of a step's coordinate. */
 static inline int km_complex_column(const km_complex_closure *c, int coordinate) {
   return c->m->column_of[coordinate];
 }

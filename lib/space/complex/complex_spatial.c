@@ -132,12 +132,7 @@ void km_complex_close_spatial(const km_complex_closure *c, const km_program *pro
   C = km_rotation_inverse(&C);
   T = km_rotation_product(&middle, &other);
   T = km_rotation_product(&T, &C);
-  km_quaternion Q = km_rotation_quaternion(&T);
-  km_wide *number = &x[c->start_of[km_complex_column(c, step->coordinate)]];
-  number[0] = Q.w;
-  number[1] = Q.x;
-  number[2] = Q.y;
-  number[3] = Q.z;
+  km_complex_set_quaternion(km_rotation_quaternion(&T), &x[c->start_of[km_complex_column(c, step->coordinate)]]);
 }
 
 void km_complex_spatial_extent(const km_complex_closure *c, const km_program *program, const km_wide *x,

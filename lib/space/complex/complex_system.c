@@ -102,23 +102,25 @@ static void evaluate_all(const km_complex_closure *c, const choice *w, const km_
   km_complex_evaluate(c, x, &values);
 }
 
-/* True if no functional changes along the null vectors of the eliminated J at the generic configuration. */
-static bool is_passive(const km_complex_closure *c, const choice *w, int rank) {
-  for (int k = 0; k < KM_FINGERPRINT; ++k) {
-    km_complex_values values = {.functional = k, .gradient = w->gradient};
+/* Freedoms of the bodies: rank of the changes of random functionals along the null vectors of the eliminated J at the
+ * generic configuration. S[n × n]: workspace, n null vectors. */
+static int count_freedoms(km_complex_closure *c, const choice *w, int rank, uint64_t *random, km_complex *S) {
+  int n = w->unlocked - rank;
+  for (int k = 0; k < n; ++k) {
+    km_complex_values values = {.functional = KM_TRACE, .gradient = w->gradient};
+    km_complex_redraw_trace(c, random);
     km_complex_evaluate(c, w->generic, &values);
     double scale = 0.0;
     for (int j = 0; j < w->unlocked; ++j)
       scale += cabs(w->gradient[j]);
-    for (int d = rank; d < w->unlocked; ++d) {
-      km_complex slope = w->gradient[w->column[d]];
+    for (int d = 0; d < n; ++d) {
+      km_complex slope = w->gradient[w->column[rank + d]];
       for (int i = 0; i < rank; ++i)
-        slope -= w->gradient[w->column[i]] * w->J[w->row[i] * w->unlocked + w->column[d]];
-      if (!(cabs(slope) <= passive_tolerance * scale))
-        return false;
+        slope -= w->gradient[w->column[i]] * w->J[w->row[i] * w->unlocked + w->column[rank + d]];
+      S[k * n + d] = cabs(slope) <= passive_tolerance * scale ? 0.0 : slope / scale;
     }
   }
-  return true;
+  return km_complex_eliminate(S, n, n, passive_tolerance, w->row, w->column);
 }
 
 /* Numbers the chosen rows and columns; sparse columns come first. */
@@ -165,7 +167,7 @@ static void mark_turns(km_complex_closure *c) {
 
 /* Chooses equations at the reference and unknowns at a generic configuration. Returns the number of freedoms of the
  * bodies that remain; 0 if the system is square. */
-static int choose_system(km_complex_closure *c, const choice *w, double tolerance, km_arena *arena) {
+static int choose_system(km_complex_closure *c, const choice *w, double tolerance, uint64_t *random, km_arena *arena) {
   int rows = w->rows, unlocked = w->unlocked;
   int *column_of = KM_ARENA_NEW(arena, int, (size_t)c->sub->columns);
   int *row_of = KM_ARENA_NEW(arena, int, (size_t)c->sub->rows);
@@ -181,8 +183,10 @@ static int choose_system(km_complex_closure *c, const choice *w, double toleranc
       row_of[c->equation_of[r]] = r;
   evaluate_all(c, w, w->generic);
   int rank = km_complex_eliminate(w->J, rows, unlocked, generic_rank_tolerance, w->row, w->column);
-  if (!is_passive(c, w, rank))
-    return unlocked - rank;
+  km_complex *S = KM_ARENA_NEW(arena, km_complex, (size_t)((unlocked - rank) * (unlocked - rank)));
+  int freedom = arena->failed ? 0 : count_freedoms(c, w, rank, random, S);
+  if (freedom > 0 || arena->failed)
+    return freedom;
   evaluate_all(c, w, w->reference);
   int closed_rank = km_complex_eliminate(w->J, rows, unlocked, tolerance, w->row, w->column);
   if (closed_rank < rank && rank < rows)
@@ -280,7 +284,7 @@ km_status km_complex_closure_create(const km_mechanism *m, km_state *s, int subs
   km_complex_randomise(out, w.reference, generic_distance, random, w.generic);
   int worst;
   double tolerance = km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst));
-  *freedom = choose_system(out, &w, tolerance, arena);
+  *freedom = choose_system(out, &w, tolerance, random, arena);
   if (arena->failed)
     return km_fail(error, KM_MEMORY, "out of memory for the assembly modes");
   return *freedom == 0 ? KM_OK

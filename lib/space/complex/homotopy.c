@@ -5,8 +5,8 @@
 
 #include <string.h>
 
-/* First correction of a step, in radians and sizes: the step size aims at TARGET, steps above LIMIT are rejected, and
- * below SMALL one factorisation is enough, since the error that remains is its square. */
+/* First correction of a step, in radians and sizes: the step size aims at the target, steps above the limit are
+ * rejected, and below the small one one factorisation is enough, since the error that remains is its square. */
 static const double target_correction = 3e-2, correction_limit = 2e-1, small_correction = 1e-3;
 static const double contraction = 0.25; /* largest ratio of two corrections of Newton's method */
 static const double first_step = 0.02, shortest_step = 1e-9, largest_growth = 2.5, least_growth = 0.3;
@@ -36,7 +36,6 @@ bool km_homotopy_create(const km_complex_closure *closure, bool has_section, uin
                        .has_section = has_section,
                        .size = size,
                        .length = length,
-
                        .parameter_count = parameters,
                        .section_start = section_start,
                        .step_factor = 1.0,
@@ -72,11 +71,10 @@ static bool is_planar_turn(const km_complex_closure *c, int turn) {
 }
 
 static const double imaginary_turn = 0.3; /* imaginary parts of quaternions with real parts of length 1 */
-                                          /* sizes */
 
 /* Decades of the section's numbers: random sizes reach the solutions far out, which exchange places on large closed
- * paths only. */
-static const double section_decades = 0.5;
+ * paths only. Half a decade left 6 of 24 searches of a Bennett linkage without them. */
+static const double section_decades = 1.0;
 
 /* 10^u, u uniform in [0, decades]. */
 static double random_size(double decades, uint64_t *random) {
@@ -134,7 +132,7 @@ void km_homotopy_begin(const km_homotopy *h, const km_wide *centre, uint64_t *ra
     if (c->turn_of[i] >= 0) {
       km_complex error = parameters[i]; /* 2 g; of a planar loop (A − 1)/i */
       bool is_planar = is_planar_turn(c, c->turn_of[i]);
-      parameters[c->size + c->turn_of[i]] = is_planar ? 2.0 * error / (2.0 + KM_I * error) * 0.5 : 0.5 * error;
+      parameters[c->size + c->turn_of[i]] = is_planar ? error / (2.0 + KM_I * error) : 0.5 * error;
       parameters[i] = 0.0;
     }
 }
@@ -209,7 +207,7 @@ static double correct(km_homotopy *h, km_wide *x) {
   return largest;
 }
 
-/* True if the rotation P, four numbers from `first`, is P + s V on a section: −P would change the sign of s too. */
+/* True if the section changes the rotation P, four numbers from `first`: P + s V, V ≠ 0. The end −P would need −V. */
 static bool changes_on_section(const km_homotopy *h, int first) {
   bool changes = false;
   for (int k = first; k < first + 4; ++k)
@@ -300,8 +298,7 @@ static void exchange(km_wide **a, km_wide **b) {
   *b = before;
 }
 
-km_path_outcome km_homotopy_track(km_homotopy *h, const km_complex *from, const km_complex *to, km_wide *x,
-                                  double *progress) {
+km_path_outcome km_homotopy_track(km_homotopy *h, const km_complex *from, const km_complex *to, km_wide *x) {
   size_t bytes = (size_t)h->length * sizeof *x;
   double t = 0.0, step = first_step * h->step_factor, last = 0.0;
   km_complex section_value = 0.0;
@@ -347,7 +344,6 @@ km_path_outcome km_homotopy_track(km_homotopy *h, const km_complex *from, const 
       outcome = KM_PATH_INFINITE;
   }
   memcpy(x, h->point[1], bytes);
-  if (progress)
-    *progress = t;
+  h->reached = t;
   return outcome;
 }

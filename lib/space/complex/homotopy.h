@@ -21,7 +21,8 @@ typedef struct km_homotopy {
   km_complex *direction;  /* [n + 4 · loops] v and V; V = 0 if there are errors of positions */
   double functional_size; /* size of y, for the section's c and τ; 1 by default */
   double step_factor;     /* scales the corrections that a step may have; 1 by default, less to track again */
-  bool is_narrow;         /* chains have doubles: on a first try up to its last step, whose end is exact */
+  bool is_narrow;         /* chains have doubles: within a path on a first try, not in its last step */
+  double reached;         /* parameter t of the last path where it ended; 1: at its end */
   long evaluations;       /* number of factorisations */
   km_complex *turn;       /* [4 · loops] workspace: P + s V */
   km_complex *J, *F, *parameter, *slope, *rates, *step, *rhs; /* workspace */
@@ -32,7 +33,7 @@ typedef struct km_homotopy {
 
 typedef enum km_path_outcome {
   KM_PATH_ARRIVED,  /* the point is a solution at the end of the path */
-  KM_PATH_SINGULAR, /* steps became too short: the point is the last solution */
+  KM_PATH_SINGULAR, /* steps became too short or too many, or the end is no solution: the point is the last one */
   KM_PATH_INFINITE  /* an angle's imaginary part or a length grew without bound */
 } km_path_outcome;
 
@@ -48,9 +49,7 @@ void km_homotopy_begin(const km_homotopy *h, const km_wide *centre, uint64_t *ra
                        km_complex *parameters);
 /* Parameters of the closed loops: p = 0, P = 1. No section. */
 void km_homotopy_close(const km_homotopy *h, km_complex *parameters);
-/* Tracks the solution x from the parameters `from` to `to`. `*progress` (may be NULL) is the path's parameter that was
- * reached, 1 at the end. */
-km_path_outcome km_homotopy_track(km_homotopy *h, const km_complex *from, const km_complex *to, km_wide *x,
-                                  double *progress);
+/* Tracks the solution x from the parameters `from` to `to`. */
+km_path_outcome km_homotopy_track(km_homotopy *h, const km_complex *from, const km_complex *to, km_wide *x);
 
 #endif

@@ -68,11 +68,11 @@ km_path_outcome km_monodromy_track(km_monodromy *g, const km_complex *from, cons
     return KM_PATH_SINGULAR;
   memcpy(start, x, bytes);
   ++g->paths;
-  km_path_outcome outcome = km_homotopy_track(g->h, from, to, x, NULL);
+  km_path_outcome outcome = km_homotopy_track(g->h, from, to, x);
   if (outcome == KM_PATH_SINGULAR) {
     memcpy(x, start, bytes);
     g->h->step_factor = retry_factor;
-    outcome = km_homotopy_track(g->h, from, to, x, NULL);
+    outcome = km_homotopy_track(g->h, from, to, x);
     g->h->step_factor = 1.0;
   }
   km_free(start);
@@ -181,8 +181,9 @@ int km_monodromy_add(km_monodromy *g, const km_complex *parameters) {
 int km_monodromy_partner(const km_monodromy *g, int i, int node) {
   for (int e = 0; e < g->edge_count; ++e) {
     const km_fibre_edge *edge = &g->edge[e];
-    if (edge->node[0] == 0 && edge->node[1] == node && i < edge->length[0])
-      return edge->partner[0][i];
+    for (int end = 0; end < 2; ++end)
+      if (edge->node[end] == 0 && edge->node[1 - end] == node && i < edge->length[end])
+        return edge->partner[end][i];
   }
   return -1;
 }

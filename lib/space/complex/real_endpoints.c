@@ -10,44 +10,51 @@
 static const double real_part = 1e-6, real_coordinate = 1e-5, singular_real_part = 1e-3;
 /* Parts of poses, in sizes, beyond which a solution goes to infinity. */
 static const double infinite_extent = 1e4;
-enum { DETOURS = 3, STARTS = 40 };
+/* Paths to infinity were lost behind 0.994 of their parameter (stewart.json); others can be lost anywhere. */
+static const double end_of_path = 0.98;
+enum { MOST_NODES = 4, STARTS = 40 };
 
 typedef struct endpoint_search {
   km_fibre_search *search;
   const km_complex_closure *closure;
   km_mode_workspace *work;
   km_arena *arena;
-  bool is_overconstrained;   /* rows are left out of the system */
-  km_fibre closed;           /* solutions of the closed loops, to see paths that meet */
-  km_wide *x, *start, *real; /* [length] */
-  km_complex *detour;        /* [parameters] */
+  bool is_overconstrained; /* rows are left out of the system */
+  km_fibre closed;         /* solutions of the closed loops, to see paths that meet */
+  km_wide *x, *real;       /* [length] */
+  km_wide *lost;           /* [solutions at node 0 × length] */
+  int lost_count;
   km_real_endpoints *out;
 } endpoint_search;
 
-/* Follows one solution: straight, else by way of random errors. */
-static km_path_outcome follow(endpoint_search *w, int i) {
+/* True if a path to the closed loops, which ended at w->x, leads to infinity: it arrives there, or is lost at its end,
+ * where parts of the poses grow without bound. */
+static bool is_at_infinity(const endpoint_search *w, km_path_outcome outcome) {
+  bool is_far = !(km_complex_pose_extent(w->closure, w->x).largest <= infinite_extent);
+  return outcome == KM_PATH_INFINITE ||
+         (is_far && (outcome == KM_PATH_ARRIVED || w->search->graph.h->reached >= end_of_path));
+}
+
+/* Tracks all solutions at a node to the closed loops: solutions there enter w->closed, last points of paths that
+ * are lost w->lost. Returns how many ends are missing: those of lost paths, and one of two that met. */
+static int follow_all(endpoint_search *w, const km_fibre *node, bool is_first) {
   km_monodromy *g = &w->search->graph;
-  size_t bytes = (size_t)g->h->length * sizeof(km_wide);
-  km_path_outcome outcome = KM_PATH_SINGULAR;
-  for (int k = 0; k <= DETOURS; ++k) {
-    memcpy(w->x, g->node[0].points + (size_t)i * (size_t)g->h->length, bytes);
-    const km_complex *from = g->node[0].parameters;
-    if (k > 0) {
-      km_homotopy_draw(g->h, g->random, w->detour);
-      if (km_monodromy_track(g, from, w->detour, w->x) != KM_PATH_ARRIVED)
-        continue;
-      from = w->detour;
-    }
-    outcome = km_monodromy_track(g, from, w->closed.parameters, w->x);
-    if (outcome == KM_PATH_INFINITE || (outcome == KM_PATH_ARRIVED && km_fibre_find(g, &w->closed, w->x) < 0))
-      return outcome;
-    if (outcome == KM_PATH_SINGULAR && k == 0)
-      memcpy(w->start, w->x, bytes); /* the straight path's end */
+  size_t length = (size_t)g->h->length, bytes = length * sizeof(km_wide);
+  int infinite = 0;
+  w->lost_count = 0;
+  for (int i = 0; i < node->count && !g->failed && !g->cancelled; ++i) {
+    memcpy(w->x, node->points + (size_t)i * length, bytes);
+    km_path_outcome outcome = km_monodromy_track(g, node->parameters, w->closed.parameters, w->x);
+    if (is_at_infinity(w, outcome))
+      ++infinite;
     else if (outcome == KM_PATH_ARRIVED)
-      outcome = KM_PATH_SINGULAR;
+      km_fibre_add(g, &w->closed, w->x);
+    else
+      memcpy(w->lost + (size_t)w->lost_count++ * length, w->x, bytes);
+    g->cancelled = g->progress && !g->progress(g->context, is_first ? (double)i / node->count : 1.0);
   }
-  memcpy(w->x, w->start, bytes);
-  return outcome;
+  w->out->infinite = infinite > w->out->infinite ? infinite : w->out->infinite;
+  return g->node[0].count - w->closed.count - w->out->infinite;
 }
 
 /* Largest imaginary part of a column's number, or of its ball's quaternion. */
@@ -133,23 +140,31 @@ static void add_endpoint(endpoint_search *w) {
   out->items[out->count++] = saved;
 }
 
-/* Judges the end of one path. */
-static void judge(endpoint_search *w, km_path_outcome outcome) {
+/* Judges the solution w->x of the closed loops. */
+static void judge_solution(endpoint_search *w) {
   km_complex_extent extent = km_complex_pose_extent(w->closure, w->x);
-  if (outcome == KM_PATH_INFINITE || !(extent.largest <= infinite_extent)) {
-    ++w->out->infinite;
-  } else if (outcome == KM_PATH_ARRIVED) {
-    km_fibre_add(&w->search->graph, &w->closed, w->x);
-    if (extent.imaginary > real_part * (1.0 + extent.largest) || !has_real_coordinates(w))
-      return;
-    if (w->is_overconstrained && !closes_all_rows(w))
-      return;
-    if (realise(w, real_part))
-      add_endpoint(w);
-    else
-      ++w->out->lost;
-  } else {
-    ++w->out->singular;
+  if (extent.imaginary > real_part * (1.0 + extent.largest) || !has_real_coordinates(w) ||
+      (w->is_overconstrained && !closes_all_rows(w)))
+    return;
+  if (realise(w, real_part))
+    add_endpoint(w);
+  else
+    ++w->out->lost;
+}
+
+/* Judges all ends. Those that are missing are singular where paths were lost there, else two paths met. */
+static void judge(endpoint_search *w, int missing) {
+  size_t length = (size_t)w->closure->length, bytes = length * sizeof(km_wide);
+  int found = w->closed.count;
+  for (int i = 0; i < found && !w->arena->failed; ++i) {
+    memcpy(w->x, w->closed.points + (size_t)i * length, bytes);
+    judge_solution(w);
+  }
+  if (missing <= 0)
+    return;
+  *(w->lost_count > 0 ? &w->out->singular : &w->out->lost) += missing;
+  for (int i = 0; i < w->lost_count && !w->arena->failed; ++i) {
+    memcpy(w->x, w->lost + (size_t)i * length, bytes);
     if (realise(w, singular_real_part) || km_mode_close(w->work)) /* a curve may have real points elsewhere */
       add_endpoint(w);
   }
@@ -167,16 +182,18 @@ km_status km_real_endpoints_find(km_fibre_search *search, const km_complex_closu
                        .is_overconstrained = !km_complex_has_all_rows(closure)};
   *out = (km_real_endpoints){0};
   w.x = KM_ARENA_NEW(arena, km_wide, length);
-  w.start = KM_ARENA_NEW(arena, km_wide, length);
+  w.lost = KM_ARENA_NEW(arena, km_wide, length * (size_t)g->node[0].count);
   w.real = KM_ARENA_NEW(arena, km_wide, length);
-  w.detour = KM_ARENA_NEW(arena, km_complex, parameters);
   w.closed.parameters = KM_ARENA_NEW(arena, km_complex, parameters);
-  if (!arena->failed)
-    km_homotopy_close(g->h, w.closed.parameters);
-  for (int i = 0; i < g->node[0].count && !arena->failed && !g->cancelled; ++i) {
-    judge(&w, follow(&w, i));
-    g->cancelled = g->progress && !g->progress(g->context, (double)i / g->node[0].count);
-  }
+  if (arena->failed)
+    return km_fail(error, KM_MEMORY, "out of memory for the assembly modes");
+  km_homotopy_close(g->h, w.closed.parameters);
+  /* The ends of all solutions at one node are all ends. A path that passes a pole is lost: another node has others. */
+  int missing = follow_all(&w, &g->node[0], true);
+  for (int k = 1; k < g->node_count && k < MOST_NODES && missing > 0 && !g->failed && !g->cancelled; ++k)
+    missing = follow_all(&w, &g->node[k], false);
+  if (!g->failed)
+    judge(&w, g->cancelled ? 0 : missing);
   km_free(w.closed.points);
   km_free(w.closed.marks);
   if (arena->failed || work->failed || g->failed)
