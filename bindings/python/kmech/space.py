@@ -20,7 +20,7 @@ class AssemblyModes(NamedTuple):
     complete: there are no other modes; else reason: "trace", "lost", "singular", "self-motion" or "limit". coordinates:
     modes × coordinates, in the model's units. mobility_numbers: the same shape, with all coordinates free. certified: the
     proof holds, that exactly one solution lies within error_bound and no other within radius (radians, lengths over the
-    substructure's size). moves: bodies move although the held joints stay. within_limits: joints within their limits.
+    substructure's size). moves: bodies move although the locked joints stay. within_limits: joints within their limits.
     complex_solutions: complex solutions over a generic closure error; estimate: their estimated number. circuit: number of
     each mode's circuit, from 1; modes of one circuit are connected by the mechanism's motion, limits ignored. circuits:
     their number, 0 if circuits_reason is "freedoms" (several), "self-motion" or "ball"; with "lost" some may be connected."""

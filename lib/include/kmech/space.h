@@ -23,7 +23,7 @@ typedef enum km_mode_gap {
   KM_GAP_TRACE,    /* the trace test did not pass: at least these modes */
   KM_GAP_LOST,     /* solutions were lost on the way to the closed loops */
   KM_GAP_SINGULAR, /* singular solutions: several may coincide, or the solutions there are curves */
-  KM_GAP_MOVES,    /* a mode moves, although all held joints stay: the modes there are samples of a self-motion */
+  KM_GAP_MOVES,    /* a mode moves, although all locked joints stay: the modes there are samples of a self-motion */
   KM_GAP_LIMIT,    /* the search ended at its limit of solutions or of work */
   KM_GAP_STOPPED,  /* `progress` ended the search: the modes are those of the solutions found until then */
   KM_GAP_REFUSED   /* km_all_modes_find refuses the mechanism: the state's own mode alone */
