@@ -118,6 +118,15 @@ static km_status compute(mapped *of, const char *path, km_progress progress, voi
   return status;
 }
 
+/* Computes the map with an empty store. */
+static void fill_store(mapped *of, char path[64]) {
+  km_space_map map;
+  km_error error;
+  store_path(path);
+  assert_int_equal(compute(of, path, NULL, NULL, &map, &error), KM_OK);
+  km_space_map_free(&map);
+}
+
 static void assert_same_table(const km_table *a, const km_table *b) {
   size_t rows = km_table_rows(a), width = km_table_columns(a);
   assert_int_equal(km_table_rows(b), rows);
@@ -203,7 +212,8 @@ static void stopped_runs_go_on(void **state) {
   }
 }
 
-/* A run in a process that SIGKILL ends: at its `last` report, or from here after so many microseconds. */
+/* Runs the map in another process until SIGKILL ends it: it kills itself at its `last` report; if that is INT_MAX, this
+ * process kills it after `microseconds`. */
 static void kill_run(mapped *of, const char *path, int last, unsigned microseconds) {
   pid_t run = fork();
   assert_true(run >= 0);
@@ -254,9 +264,7 @@ static void other_maps_are_refused(void **state) {
   km_error error;
   km_space_map map;
   mechanism(&of, 1);
-  store_path(path);
-  assert_int_equal(compute(&of, path, NULL, NULL, &map, &error), KM_OK);
-  km_space_map_free(&map);
+  fill_store(&of, path);
   for (int change = 0; change < 6; ++change) {
     mechanism(&other, change == 0 ? 2 : 1);
     if (change == 1)
@@ -301,9 +309,7 @@ static void damaged_pieces_are_refused(void **state) {
     km_error error;
     km_space_map map;
     mechanism(&of, 0);
-    store_path(path);
-    assert_int_equal(compute(&of, path, NULL, NULL, &map, &error), KM_OK);
-    km_space_map_free(&map);
+    fill_store(&of, path);
     run_sql(path, damages[i]);
     assert_int_equal(compute(&of, path, NULL, NULL, &map, &error), KM_IO);
     assert_non_null(strstr(error.text, "the store is damaged (piece "));
@@ -324,9 +330,7 @@ static void stores_have_their_modes(void **state) {
   km_space_map map;
   mechanism(&of, 0);
   km_space_map_def def = of.def;
-  store_path(path);
-  assert_int_equal(compute(&of, path, NULL, NULL, &map, &error), KM_OK);
-  km_space_map_free(&map);
+  fill_store(&of, path);
   assert_int_equal(km_map_store_open(path, f->mechanism, f->state, &def, 1, false, &def.store, &error), KM_OK);
   assert_int_equal(km_map_modes_find(f->mechanism, f->state, def.axis[0].coordinate, def.axis[1].coordinate, 1, NULL,
                                      NULL, &modes, &error),

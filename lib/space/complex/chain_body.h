@@ -4,16 +4,23 @@
 
 static const POSE OF(identity) = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {0, 0, 0}};
 
-/* out = R a; out must not be a. */
+/* out = R a; out may be a. */
 static void OF(rotate)(NUMBER (*R)[3], const NUMBER *a, NUMBER *out) {
+  NUMBER x = a[0], y = a[1], z = a[2];
   for (int k = 0; k < 3; ++k)
-    out[k] = a[0] * R[0][k] + a[1] * R[1][k] + a[2] * R[2][k];
+    out[k] = x * R[0][k] + y * R[1][k] + z * R[2][k];
 }
 
 /* out = Rᵀ a; out must not be a. */
 static void OF(rotate_back)(NUMBER (*R)[3], const NUMBER *a, NUMBER *out) {
   for (int k = 0; k < 3; ++k)
     out[k] = R[k][0] * a[0] + R[k][1] * a[1] + R[k][2] * a[2];
+}
+
+/* Row k of R. */
+static void OF(row)(NUMBER (*R)[3], int k, NUMBER *out) {
+  for (int j = 0; j < 3; ++j)
+    out[j] = R[j][k];
 }
 
 static void OF(rotate_real)(NUMBER (*R)[3], km_vec3 a, NUMBER *out) {
@@ -118,7 +125,7 @@ static void OF(apply_ball)(const km_complex_closure *c, const km_step *step, con
                            km_complex (*h)[6]) {
   int column = km_complex_column(c, step->coordinate);
   const km_complex_hub *hub = &c->hub[column];
-  NUMBER Q[3][3], R[3][3], u[3];
+  NUMBER Q[3][3], R[3][3], row[3], u[3];
   for (int k = 0; k < 3; ++k)
     OF(turning_twist)(1.0, X->R[k], X->p, h[k]);
   OF(ball_rotation)(c, column, x, Q);
@@ -133,7 +140,7 @@ static void OF(apply_ball)(const km_complex_closure *c, const km_step *step, con
   memcpy(at->R, R, sizeof R);
   OF(rotate)(R, u, at->p);
   for (int k = 0; k < 3; ++k) {
-    const NUMBER row[3] = {T.R[0][k], T.R[1][k], T.R[2][k]};
+    OF(row)(T.R, k, row);
     OF(rotate)(R, row, X->R[k]);
     at->p[k] += X->p[k];
   }

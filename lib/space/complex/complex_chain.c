@@ -48,6 +48,10 @@ void km_complex_compute_chains(const km_complex_closure *c, const km_program *pr
   }
 }
 
+void km_complex_rotate(km_complex (*R)[3], const km_complex *a, km_complex *out) {
+  double_rotate(R, a, out);
+}
+
 void km_complex_pose_product(km_complex_pose *X, const km_pose *Y, bool has_rotation, km_complex_pose *out) {
   double_pose_product(X, Y, has_rotation, out);
 }
@@ -71,11 +75,11 @@ void km_complex_hub_velocity(const km_complex_closure *c, int column, const km_w
 /* Real quaternion of R(Q) T_R, or of R(Q) T_Rᵀ if `back`. */
 static km_quaternion turn_along_chain(const km_complex_closure *c, int column, const km_wide *x, bool back) {
   km_complex_pose T = double_hub_displacement(c, &c->hub[column], x, NULL, NULL);
-  km_complex Q[3][3], axis[3];
+  km_complex Q[3][3], row[3], axis[3];
   km_rotation R;
   double_ball_rotation(c, column, x, Q);
   for (int k = 0; k < 3; ++k) {
-    const km_complex row[3] = {T.R[0][k], T.R[1][k], T.R[2][k]};
+    double_row(T.R, k, row);
     double_rotate(Q, back ? row : T.R[k], axis);
     R.axis[k] = (km_vec3){creal(axis[0]), creal(axis[1]), creal(axis[2])};
   }

@@ -22,6 +22,8 @@ static inline void km_complex_cross(const km_complex *a, const km_complex *b, km
  * errors of its loops, c->displacement. The twists of a ball are rotations about the axes of the frame before it. */
 void km_complex_compute_chains(const km_complex_closure *c, const km_program *program, const km_wide *x,
                                const km_complex_values *out);
+/* out = R a, R by columns; out may be a. */
+void km_complex_rotate(km_complex (*R)[3], const km_complex *a, km_complex *out);
 /* out = X · Y for a real pose Y; out may be X. */
 void km_complex_pose_product(km_complex_pose *X, const km_pose *Y, bool has_rotation, km_complex_pose *out);
 

@@ -10,13 +10,6 @@
 
 #include <string.h>
 
-static void rotate(km_complex (*R)[3], const km_complex *a, km_complex *out) {
-  km_complex r[3];
-  for (int k = 0; k < 3; ++k)
-    r[k] = a[0] * R[0][k] + a[1] * R[1][k] + a[2] * R[2][k];
-  memcpy(out, r, sizeof r);
-}
-
 /* Column of J of the unit twist h of a joint on one side; of positions alone if the point moves. */
 static void loop_column(bool has_moving_point, km_loop_displacement *E, double side, const km_complex *h,
                         km_complex column[6]) {
@@ -28,8 +21,8 @@ static void loop_column(bool has_moving_point, km_loop_displacement *E, double s
   if (has_moving_point)
     return;
   if (side < 0.0) {
-    rotate(E->R, column, column);
-    rotate(E->R, w, w);
+    km_complex_rotate(E->R, column, column);
+    km_complex_rotate(E->R, w, w);
   }
   km_complex_cross(w, E->g, column + 3);
   km_complex along = km_complex_dot(w, E->g);

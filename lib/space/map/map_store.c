@@ -165,9 +165,11 @@ static bool copy_modes(const km_mechanism *m, const km_all_modes *from, km_all_m
   return is_ok;
 }
 
-/* Takes the store's modes, if there are some. */
+/* Takes the file's modes, if it has some and they weren't taken or kept yet. */
 static km_status take_modes(km_map_store *store, const km_mechanism *m, km_error *error) {
   km_piece piece;
+  if (store->has_modes)
+    return KM_OK;
   km_status status = km_piece_store_take(store->pieces, &piece, &store->has_modes, error);
   if (!status && store->has_modes && !pass_modes(&piece, m, &store->modes))
     status = no_memory(error);
@@ -188,7 +190,7 @@ static km_status keep_modes(km_map_store *store, const km_mechanism *m, const km
 km_status km_map_store_modes(km_map_store *store, const km_mechanism *m, const km_state *s, km_progress progress,
                              void *context, km_all_modes *out, km_error *error) {
   km_status status = km_check_state(m, s, error);
-  if (!status && !store->has_modes)
+  if (!status)
     status = take_modes(store, m, error);
   if (status)
     return status;
@@ -203,10 +205,9 @@ km_status km_map_check_modes(km_map_search *g, const km_all_modes *modes, km_err
   const km_mechanism *m = g->f.m;
   if (!store)
     return KM_OK;
-  km_status status = store->is_used
-                         ? km_fail(error, KM_USAGE, "the store has been used; expected one that is opened for each map")
-                     : store->has_modes ? KM_OK
-                                        : take_modes(store, m, error);
+  if (store->is_used)
+    return km_fail(error, KM_USAGE, "the store has been used; expected one that is opened for each map");
+  km_status status = take_modes(store, m, error);
   if (!status && !store->has_modes)
     status = keep_modes(store, m, modes, error);
   if (status)
