@@ -1,5 +1,6 @@
 /* Diagnosis of a configuration: finite mobility, passive freedoms, redundant constraints and their remedies. */
 #include "base/arguments.h"
+#include "mobility/finite_mobility.h"
 #include "mobility/remedies/remedy_set.h"
 
 km_status km_diagnosis_find(const km_mechanism *m, km_state *s, km_progress progress, void *context, km_diagnosis *out,
@@ -7,9 +8,9 @@ km_status km_diagnosis_find(const km_mechanism *m, km_state *s, km_progress prog
   if (!out)
     return km_check_given(false, "place for the result", error);
   *out = (km_diagnosis){0};
-  km_status status = km_finite_mobility_find(m, s, progress, context, &out->finite, error);
+  km_status status = km_passive_freedoms_find(m, s, progress, context, &out->passive, error);
   if (!status)
-    status = km_passive_freedoms_find(m, s, progress, context, &out->passive, error);
+    status = km_finite_mobility_find_with(m, s, &out->passive, progress, context, &out->finite, error);
   if (!status)
     status = km_redundancies_find(m, s, progress, context, &out->redundancies, error);
   if (!status && out->redundancies.count)

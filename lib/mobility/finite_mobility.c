@@ -1,5 +1,5 @@
 /* Finite mobility of a mechanism: the sum over its substructures (theory 6.4, 6.5). */
-#include "kmech/mobility.h"
+#include "mobility/finite_mobility.h"
 
 #include "base/arguments.h"
 #include "local/local.h"
@@ -9,13 +9,13 @@
 typedef struct search {
   const km_mechanism *m;
   km_state *s;
-  km_passive_freedoms passive;
+  const km_passive_freedoms *passive;
   km_finite_mobility *out;
 } search;
 
 static km_status search_substructure(void *self, int index, km_arena *arena, km_error *error) {
   const search *f = self;
-  km_local *l = km_local_create(f->m, f->s, index, &f->passive, 0.0, arena);
+  km_local *l = km_local_create(f->m, f->s, index, f->passive, 0.0, arena);
   (void)error;
   f->out->mobility += l ? km_local_find_motions(l, f->out) : 0;
   km_local_restore(l);
@@ -23,24 +23,27 @@ static km_status search_substructure(void *self, int index, km_arena *arena, km_
   return KM_OK;
 }
 
-km_status km_finite_mobility_find(const km_mechanism *m, km_state *s, km_progress progress, void *context,
-                                  km_finite_mobility *out, km_error *error) {
-  if (!out)
-    return km_check_given(false, "place for the result", error);
-  *out = (km_finite_mobility){0};
-  km_status fits = km_check_state(m, s, error);
-  if (fits)
-    return fits;
+km_status km_finite_mobility_find_with(const km_mechanism *m, km_state *s, const km_passive_freedoms *passive,
+                                       km_progress progress, void *context, km_finite_mobility *out, km_error *error) {
   out->store = KM_NEW(double, (size_t)KM_MAX_FINITE_MOTIONS *(size_t)(m->coordinate_count + 1));
   if (!out->store)
     return km_fail(error, KM_MEMORY, "out of memory for the finite mobility");
   for (int c = 0; c < m->coordinate_count; ++c)
     out->mobility += m->substructure_of[c] < 0 && !m->held[c];
-  search f = {m, s, {0}, out};
-  km_status status = km_passive_freedoms_find(m, s, NULL, NULL, &f.passive, error);
+  search f = {m, s, passive, out};
+  return km_each_substructure(m, search_substructure, &f, progress, context, "the finite mobility", error);
+}
+
+km_status km_finite_mobility_find(const km_mechanism *m, km_state *s, km_progress progress, void *context,
+                                  km_finite_mobility *out, km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
+  *out = (km_finite_mobility){0};
+  km_passive_freedoms passive;
+  km_status status = km_passive_freedoms_find(m, s, NULL, NULL, &passive, error);
   if (!status)
-    status = km_each_substructure(m, search_substructure, &f, progress, context, "the finite mobility", error);
-  km_passive_freedoms_free(&f.passive);
+    status = km_finite_mobility_find_with(m, s, &passive, progress, context, out, error);
+  km_passive_freedoms_free(&passive);
   return status;
 }
 
