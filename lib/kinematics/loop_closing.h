@@ -76,8 +76,8 @@ double km_rank_tolerance(const km_mechanism *mechanism, const km_substructure *s
 void km_search_pivots(const km_mechanism *mechanism, km_state *state, int substructure, int driver, double tolerance);
 void km_search_pivots_by(const km_mechanism *mechanism, km_state *state, int substructure, const km_pivoting *pivoting,
                          double tolerance);
-/* As km_search_pivots without a driver, for the rank and minimum-norm steps: a sparse factor with many freedoms does not
- * optimise its independent columns, which takes longer than the elimination. */
+/* As km_search_pivots without a driver, for the rank and minimum-norm steps: a sparse factor with many freedoms does
+ * not optimise its independent columns, which takes longer than the elimination. */
 void km_search_rank(const km_mechanism *mechanism, km_state *state, int substructure, double tolerance);
 
 /* Updates errors and Jacobian at the state's coordinates and searches pivots with the rank tolerance of `misfit`. */
