@@ -13,8 +13,9 @@
 /* Moves the frame X of motion k - 1 to the frame of motion k; *h receives its unit twist. */
 static km_pose move(const km_arm *a, int k, double q, km_pose X, km_twist *h) {
   const km_arm_motion *m = &a->motions[k];
+  const km_quaternion no_ball = {1.0, 0.0, 0.0, 0.0};
   X = km_pose_product(&X, &m->before);
-  return km_motion_step((km_motion){m->primitive, m->axis}, m->sign, m->pitch, m->sign * q, NULL, X, h);
+  return km_motion_step((km_motion){m->primitive, m->axis}, m->sign, m->pitch, m->sign * q, &no_ball, X, h);
 }
 
 void km_arm_joint_forces(const km_arm *a, const double *q, const double *rates, const double *accelerations,

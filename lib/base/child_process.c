@@ -13,8 +13,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-extern char **environ;
-
 /* Writes the path of the file that holds this function: the shared library, or the program with the static library. */
 static bool find_own_file(char out[PATH_MAX]) {
   static const char own = 0;

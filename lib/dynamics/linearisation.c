@@ -213,8 +213,8 @@ static void find_errors(const km_mechanism *m, const km_linear *l, double *other
 
 /* Eigenvector of A; its imaginary part is `sign` times a column, or 0. */
 typedef struct eigenvector {
-  const double *real, *imaginary; /* imaginary NULL: 0 */
-  double sign;
+  const double *real, *imaginary;
+  double sign; /* 0: the vector is real, and `imaginary` is not read */
 } eigenvector;
 
 /* Mode shape: real and imaginary parts of all coordinates, normalised so that the largest scaled one is 1. */
@@ -226,7 +226,7 @@ static void write_mode(const km_mechanism *m, const km_linear *l, eigenvector v,
     for (int k = 0; k < l->freedom; ++k) {
       double N = l->N[(size_t)k * (size_t)n + (size_t)c];
       re += N * v.real[k];
-      im += v.imaginary ? N * v.sign * v.imaginary[k] : 0.0;
+      im += v.sign != 0.0 ? N * v.sign * v.imaginary[k] : 0.0;
     }
     out[c] = re;
     out[n + c] = im;
@@ -244,7 +244,7 @@ typedef struct eigensystem {
 
 static eigenvector eigenvector_at(const eigensystem *e, const double *vectors, size_t size, size_t k) {
   if (e->imaginary[k] == 0.0)
-    return (eigenvector){vectors + k * size, NULL, 0.0};
+    return (eigenvector){vectors + k * size, vectors + k * size, 0.0};
   size_t first = e->imaginary[k] > 0.0 ? k : k - 1;
   return (eigenvector){vectors + first * size, vectors + (first + 1) * size, e->imaginary[k] > 0.0 ? 1.0 : -1.0};
 }
@@ -267,7 +267,7 @@ static void sort(const eigensystem *e, int size) {
 }
 
 static double magnitude_at(const eigenvector *v, size_t i) {
-  return v->imaginary ? hypot(v->real[i], v->imaginary[i]) : fabs(v->real[i]);
+  return v->sign != 0.0 ? hypot(v->real[i], v->imaginary[i]) : fabs(v->real[i]);
 }
 
 /* First-order error bound of an eigenvalue, Σ |y_i| E_ij |x_j| / |yᴴ x| with its left and right eigenvectors (G.
@@ -278,7 +278,7 @@ static double error_of(eigenvector y, eigenvector x, const double *E, size_t siz
     for (size_t i = 0; i < size; ++i)
       sum += magnitude_at(&y, i) * E[j * size + i] * magnitude_at(&x, j);
     re += y.real[j] * x.real[j];
-    if (y.imaginary) {
+    if (y.sign != 0.0) {
       re += y.imaginary[j] * x.imaginary[j];
       im += y.real[j] * x.imaginary[j] - y.imaginary[j] * x.real[j];
     }

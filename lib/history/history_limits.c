@@ -16,15 +16,17 @@ static bool has_acting_stop(const km_forces *f, int coordinate) {
 
 km_status km_limits_monitor_begin(km_limit_monitor *w, const km_mechanism *m, const km_forces *forces,
                                   const km_simulation_def *simulation, km_error *error) {
-  *w = (km_limit_monitor){.m = m, .slack = km_relative_zero, .user_count = simulation ? simulation->crossing_count : 0};
-  if (simulation)
+  *w = (km_limit_monitor){.m = m, .slack = km_relative_zero};
+  if (simulation) {
     w->slack = fmax(km_relative_zero, km_significant_ratio * (simulation->absolute + simulation->relative));
+    w->user_count = simulation->crossing_count;
+  }
   w->limit = KM_NEW(km_passed_limit, (size_t)m->coordinate_count + 1);
   w->is_passed = KM_NEW(bool, (size_t)m->coordinate_count + 1);
   w->crossings = KM_NEW(km_crossing, 2 * (size_t)m->coordinate_count + (size_t)w->user_count + 1);
   if (!w->limit || !w->is_passed || !w->crossings)
     return km_fail(error, KM_MEMORY, "out of memory for the limits");
-  for (int i = 0; i < w->user_count; ++i)
+  for (int i = 0; simulation && i < simulation->crossing_count; ++i)
     w->crossings[w->crossing_count++] = simulation->crossings[i];
   for (int c = 0; c < m->coordinate_count; ++c) {
     if (!km_is_limited(m, c) || m->held[c] || has_acting_stop(forces, c))

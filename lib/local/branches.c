@@ -37,7 +37,7 @@ int km_branch_directions(const km_mechanism *m, km_state *s, int index, double *
   km_arena arena = {0};
   km_local *l = km_local_create(m, s, index, NULL, 0.0, &arena);
   int found = l ? km_local_find_branches(l, directions) : 0;
-  if (!arena.failed && !km_local_has_full_row_rank(l)) {
+  if (l && !arena.failed && !km_local_has_full_row_rank(l)) {
     km_state_restore(s, l->sub, l->origin);
     km_update_and_search_pivots(m, s, index, KM_NO_DRIVER, 0.0);
   }

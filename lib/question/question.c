@@ -106,40 +106,63 @@ const km_option_value *km_question_motion_value(const km_question *q, int index)
   return km_question_own_value(q, q->kind->option_count + index);
 }
 
-static km_status check_indices(const km_mechanism *m, const km_option *o, const km_option_value *v, km_error *error) {
-  bool sense = o->type == KM_OPTION_SENSE;
+/* KM_USAGE unless an option with a list has as many items as it states. */
+static km_status check_lists(const km_option *o, const km_option_value *v, km_error *error) {
   km_status status = KM_OK;
-  if (o->type == KM_OPTION_COORDINATE || sense)
-    status = km_check_index(v->coordinate, m->coordinate_count, "coordinate", error);
-  bool settings = o->type == KM_OPTION_SETTINGS, coordinates = o->type == KM_OPTION_COORDINATES || settings,
-       modules = o->type == KM_OPTION_MODULES, pairs = o->type == KM_OPTION_BODY_PAIRS;
-  if (coordinates || modules || o->type == KM_OPTION_POINTS || o->type == KM_OPTION_LOADS ||
-      o->type == KM_OPTION_ENDS || pairs)
-    status = km_check_list(coordinates                   ? (const void *)v->coordinates
-                           : modules                     ? (const void *)v->modules
-                           : pairs                       ? (const void *)v->pairs
-                           : o->type == KM_OPTION_POINTS ? (const void *)v->points
-                           : o->type == KM_OPTION_ENDS   ? (const void *)v->ends
-                                                         : v->loads,
-                           v->count, o->name, error);
-  if (settings && !status)
-    status = km_check_list(v->settings, v->count, o->name, error);
-  for (int i = 0; i < v->count && !status; ++i) {
-    if (settings && !isfinite(v->settings[i]))
-      return km_fail(error, KM_USAGE, "`%s`: a value that isn't finite", o->name);
-    if (modules)
-      status = km_check_index(v->modules[i], m->model->module_count, "force module", error);
-    for (int k = 0; k < 2 && pairs && !status; ++k)
-      status = km_check_index(v->pairs[i].body[k], m->model->body_count, "body", error);
-    if (coordinates)
-      status = km_check_index(v->coordinates[i], m->coordinate_count, "coordinate", error);
-    if (o->type == KM_OPTION_POINTS)
-      status = km_check_index(v->points[i].frame, m->model->frame_count, "frame", error);
-    if (o->type == KM_OPTION_POINTS && !status)
-      status = km_check_given(v->points[i].name != NULL, "name of a point", error);
-    if (o->type == KM_OPTION_ENDS)
-      status = km_check_given(v->ends[i].name != NULL, "name of a point", error);
+  switch (o->type) {
+  case KM_OPTION_COORDINATES:
+    return km_check_list(v->coordinates, v->count, o->name, error);
+  case KM_OPTION_SETTINGS:
+    status = km_check_list(v->coordinates, v->count, o->name, error);
+    return status ? status : km_check_list(v->settings, v->count, o->name, error);
+  case KM_OPTION_MODULES:
+    return km_check_list(v->modules, v->count, o->name, error);
+  case KM_OPTION_BODY_PAIRS:
+    return km_check_list(v->pairs, v->count, o->name, error);
+  case KM_OPTION_POINTS:
+    return km_check_list(v->points, v->count, o->name, error);
+  case KM_OPTION_ENDS:
+    return km_check_list(v->ends, v->count, o->name, error);
+  case KM_OPTION_LOADS:
+    return km_check_list(v->loads, v->count, o->name, error);
+  default:
+    return KM_OK;
   }
+}
+
+/* KM_USAGE unless item i of an option's list refers to what exists. */
+static km_status check_item(const km_mechanism *m, const km_option *o, const km_option_value *v, int i,
+                            km_error *error) {
+  km_status status = KM_OK;
+  switch (o->type) {
+  case KM_OPTION_SETTINGS:
+    if (!isfinite(v->settings[i]))
+      return km_fail(error, KM_USAGE, "`%s`: a value that isn't finite", o->name);
+    return km_check_index(v->coordinates[i], m->coordinate_count, "coordinate", error);
+  case KM_OPTION_COORDINATES:
+    return km_check_index(v->coordinates[i], m->coordinate_count, "coordinate", error);
+  case KM_OPTION_MODULES:
+    return km_check_index(v->modules[i], m->model->module_count, "force module", error);
+  case KM_OPTION_BODY_PAIRS:
+    for (int k = 0; k < 2 && !status; ++k)
+      status = km_check_index(v->pairs[i].body[k], m->model->body_count, "body", error);
+    return status;
+  case KM_OPTION_POINTS:
+    status = km_check_index(v->points[i].frame, m->model->frame_count, "frame", error);
+    return status ? status : km_check_given(v->points[i].name != NULL, "name of a point", error);
+  case KM_OPTION_ENDS:
+    return km_check_given(v->ends[i].name != NULL, "name of a point", error);
+  default:
+    return KM_OK;
+  }
+}
+
+static km_status check_indices(const km_mechanism *m, const km_option *o, const km_option_value *v, km_error *error) {
+  if (o->type == KM_OPTION_COORDINATE || o->type == KM_OPTION_SENSE)
+    return km_check_index(v->coordinate, m->coordinate_count, "coordinate", error);
+  km_status status = check_lists(o, v, error);
+  for (int i = 0; i < v->count && !status; ++i)
+    status = check_item(m, o, v, i, error);
   return status;
 }
 

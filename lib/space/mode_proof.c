@@ -16,18 +16,31 @@ typedef struct loop_size {
   double columns, reach;
 } loop_size;
 
+/* A motion of one coordinate, and its link: number of columns and length. */
+typedef struct step_size {
+  bool is_slide;
+  int coordinate;
+  double columns, length;
+} step_size;
+
+static step_size size_of_step(const km_mechanism *m, const km_program *program, int i) {
+  if (program->planar) {
+    const km_planar_step *step = &m->planar_steps[i];
+    return (step_size){step->is_slide, step->coordinate, 1.0, hypot(step->x, step->y)};
+  }
+  const km_step *step = &m->steps[i];
+  return (step_size){step->primitive == KM_PRISMATIC, step->coordinate, km_primitive_freedom(step->primitive),
+                     km_vec3_norm(step->before.p)};
+}
+
 static loop_size size_of_loop(const km_complex_closure *c, const km_program *program, const km_loop *loop,
                               const km_wide *x) {
   loop_size size = {0.0, 1.0};
   for (int e = 0; e < loop->entry_count; ++e) {
-    int i = program->step_start + c->m->entries[loop->entry_start + e].step;
-    const km_planar_step *planar = program->planar ? &c->m->planar_steps[i] : NULL;
-    const km_step *spatial = program->planar ? NULL : &c->m->steps[i];
-    bool is_slide = planar ? planar->is_slide : spatial->primitive == KM_PRISMATIC;
-    int coordinate = planar ? planar->coordinate : spatial->coordinate;
-    size.columns += planar ? 1.0 : km_primitive_freedom(spatial->primitive);
-    size.reach += planar ? hypot(planar->x, planar->y) : km_vec3_norm(spatial->before.p);
-    size.reach += is_slide ? (double)cabsl(x[c->start_of[km_complex_column(c, coordinate)]]) : 0.0;
+    step_size step = size_of_step(c->m, program, program->step_start + c->m->entries[loop->entry_start + e].step);
+    size.columns += step.columns;
+    size.reach += step.length;
+    size.reach += step.is_slide ? (double)cabsl(x[c->start_of[km_complex_column(c, step.coordinate)]]) : 0.0;
   }
   for (int side = 0; side < 2; ++side)
     size.reach += program->planar ? hypot(loop->planar_closing_point[side][0], loop->planar_closing_point[side][1])

@@ -2,7 +2,7 @@
 #ifndef KM_ANALYSER_H
 #define KM_ANALYSER_H
 
-#include "kmech/base.h"
+#include "../../lib/include/kmech/base.h"
 
 /* km_fail returns the status that it is given. The analyser doesn't look into functions with `...`. */
 static inline km_status km_analysed(km_status status) {

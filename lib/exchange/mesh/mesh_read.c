@@ -8,7 +8,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-static const long long size_limit = 256ll << 20; /* bytes: the file is read whole into memory */
+static const long long size_limit = 256LL << 20; /* bytes: the file is read whole into memory */
 
 /* A pipe would block its reader, and a device never ends. */
 static km_status check_file(const char *path, km_error *error) {

@@ -39,15 +39,16 @@ static void load_words(const km_model *model, int frame, const double *force, co
 static void all_loads_words(const km_model *model, const km_forces *forces, km_text *out) {
   const int count = forces ? forces->load_count : model->load_count;
   for (int i = 0; i < count && i < MOST_NAMED; ++i) {
-    const km_applied_load *own = i < model->load_count ? &model->loads[i] : NULL;
-    if (own)
-      km_text_format(out, "; %s", own->name);
-    else
-      km_text_format(out, "; at %s", model->frames[forces->loads[i].frame].name);
     if (forces) {
       const km_load *load = &forces->loads[i];
+      if (i < model->load_count)
+        km_text_format(out, "; %s", model->loads[i].name);
+      else
+        km_text_format(out, "; at %s", model->frames[load->frame].name);
       load_words(model, load->frame, load->force, load->torque, load->turning, load->scale, out);
     } else {
+      const km_applied_load *own = &model->loads[i];
+      km_text_format(out, "; %s", own->name);
       const double force[3] = {own->force.x, own->force.y, own->force.z};
       const double torque[3] = {own->torque.x, own->torque.y, own->torque.z};
       load_words(model, own->frame, force, torque, own->turning, own->scale, out);
