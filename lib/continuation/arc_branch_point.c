@@ -5,7 +5,6 @@
  *   leave  : tangent = direction of the branch; the first step grows from 1e-3 to 0.13 until the freedom of the
  *            branch is unambiguous */
 #include "continuation/arc_motion.h"
-#include "continuation/hermite_curve.h"
 #include "kinematics/loop_closing.h"
 #include "kinematics/loop_equations.h"
 

@@ -6,7 +6,6 @@
 
 #include "base/arguments.h"
 #include "continuation/arc_motion.h"
-#include "continuation/hermite_curve.h"
 #include "kinematics/loop_closing.h"
 #include "kinematics/loop_equations.h"
 #include "local/bifurcation.h"
