@@ -1,6 +1,7 @@
 /* Convex parts of bodies: plain shapes exactly, meshes by the hulls of their connected components. */
 #include "clearance/body_parts.h"
 
+#include "base/number/union_find.h"
 #include "clearance/hull_error.h"
 #include "exchange/mesh/model_meshes.h"
 #include "model/geometry/hull.h"
@@ -64,20 +65,14 @@ static km_status add_shape(builder *b, const km_model_shape *shape, km_error *er
 
 /* ---- Meshes */
 
-static int root_of(int *parent, int v) {
-  while (parent[v] != v)
-    v = parent[v] = parent[parent[v]];
-  return v;
-}
-
 /* Component of each vertex: -1, -2, … Returns their number. A vertex of no triangle is one of its own. */
 static int number_components(const km_mesh *mesh, int *component) {
   int count = 0, n = mesh->vertex_count;
-  for (int v = 0; v < n; ++v)
-    component[v] = v;
+  km_sets_create(component, n);
   for (int t = 0; t < mesh->triangle_count; ++t)
     for (int k = 1; k < 3; ++k) {
-      int a = root_of(component, mesh->triangles[t].corner[0]), b = root_of(component, mesh->triangles[t].corner[k]);
+      int a = km_set_of(component, mesh->triangles[t].corner[0]),
+          b = km_set_of(component, mesh->triangles[t].corner[k]);
       component[a > b ? a : b] = a > b ? b : a;
     }
   for (int v = 0; v < n; ++v) /* a root is the first vertex of its component */

@@ -1,6 +1,7 @@
 /* Builds the tree of nodes and clusters of a mechanism (docs/theory.md 11.2). */
 #include "dynamics/cluster_tree.h"
 
+#include "base/number/union_find.h"
 #include "topology/chain.h"
 
 #include <string.h>
@@ -67,13 +68,6 @@ static void add_arc(tree_builder *w, const km_arc *arc) {
   add_body(w, arc->body, node, &X);
 }
 
-/* Root of a union-find set, with path halving. */
-static int find_leader(const tree_builder *w, int node) {
-  while (w->leader[node] != node)
-    node = w->leader[node] = w->leader[w->leader[node]];
-  return node;
-}
-
 static int substructure_of(const tree_builder *w, int node) {
   int joint = w->m->model->coordinates[w->tree->nodes[node].coordinate].joint;
   return w->m->topology.substructure_of_joint[joint];
@@ -84,7 +78,7 @@ static void join_substructures(tree_builder *w, int *first /* [substructure], -1
   for (int n = 1; n < w->tree->node_count; ++n) {
     int s = substructure_of(w, n);
     if (s >= 0 && first[s] >= 0)
-      w->leader[find_leader(w, n)] = find_leader(w, first[s]);
+      w->leader[km_set_of(w->leader, n)] = km_set_of(w->leader, first[s]);
     else if (s >= 0)
       first[s] = n;
   }
@@ -101,8 +95,8 @@ static void merge_clusters(tree_builder *w, int *base, int *golden_section) {
     for (int n = 0; n < w->tree->node_count; ++n)
       base[n] = golden_section[n] = NONE;
     for (int n = 1; n < w->tree->node_count; ++n) {
-      int own = find_leader(w, n), parent = nodes[n].parent;
-      if (parent > 0 && find_leader(w, parent) == own)
+      int own = km_set_of(w->leader, n), parent = nodes[n].parent;
+      if (parent > 0 && km_set_of(w->leader, parent) == own)
         continue;
       if (golden_section[own] == NONE || w->level[parent] > w->level[golden_section[own]])
         golden_section[own] = parent;
@@ -111,7 +105,7 @@ static void merge_clusters(tree_builder *w, int *base, int *golden_section) {
     }
     for (int n = 1; joined && n < w->tree->node_count; ++n)
       if (base[n] == SEVERAL)
-        w->leader[find_leader(w, golden_section[n])] = find_leader(w, n);
+        w->leader[km_set_of(w->leader, golden_section[n])] = km_set_of(w->leader, n);
   }
 }
 
@@ -119,7 +113,7 @@ static void merge_clusters(tree_builder *w, int *base, int *golden_section) {
 static int depth_of(tree_builder *w, const int *base, int leader) {
   int depth = 0;
   while (base[leader] > 0) {
-    leader = find_leader(w, base[leader]);
+    leader = km_set_of(w->leader, base[leader]);
     ++depth;
   }
   return depth;
@@ -130,7 +124,7 @@ static int order_leaders(tree_builder *w, const int *base, int *order, int *coun
   int nodes = w->tree->node_count;
   memset(count, 0, (size_t)nodes * sizeof *count);
   for (int n = 1; n < nodes; ++n) {
-    if (find_leader(w, n) != n)
+    if (km_set_of(w->leader, n) != n)
       continue;
     w->depth[n] = depth_of(w, base, n);
     count[w->depth[n] + 1]++;
@@ -138,7 +132,7 @@ static int order_leaders(tree_builder *w, const int *base, int *order, int *coun
   for (int d = 1; d < nodes; ++d)
     count[d] += count[d - 1];
   for (int n = 1; n < nodes; ++n)
-    if (find_leader(w, n) == n)
+    if (km_set_of(w->leader, n) == n)
       order[count[w->depth[n]]++] = n;
   return nodes > 1 ? count[nodes - 2] : 0;
 }
@@ -150,7 +144,7 @@ static void number_nodes(tree_builder *w, const int *base, int *order, int *next
   int *size = w->depth; /* size of a leader's cluster */
   memset(size, 0, (size_t)tree->node_count * sizeof *size);
   for (int n = 1; n < tree->node_count; ++n)
-    size[find_leader(w, n)]++;
+    size[km_set_of(w->leader, n)]++;
   for (int i = 0, start = 1; i < tree->cluster_count; ++i) {
     tree->clusters[i] = (km_cluster){.node_start = start, .node_count = size[order[i]]};
     next[order[i]] = start;
@@ -158,7 +152,7 @@ static void number_nodes(tree_builder *w, const int *base, int *order, int *next
   }
   w->number[0] = 0;
   for (int n = 1; n < tree->node_count; ++n)
-    w->number[n] = next[find_leader(w, n)]++;
+    w->number[n] = next[km_set_of(w->leader, n)]++;
   for (int i = 0; i < tree->cluster_count; ++i)
     tree->clusters[i].base = w->number[base[order[i]]];
 }
@@ -253,8 +247,7 @@ bool km_tree_build(const km_mechanism *m, km_arena *arena, km_tree *tree) {
     tree->body_in_node[0] = km_pose_identity();
     for (int i = 0; i < t->body_count - 1; ++i)
       add_arc(&w, &m->arcs[i]);
-    for (int n = 0; n < tree->node_count; ++n)
-      w.leader[n] = n;
+    km_sets_create(w.leader, tree->node_count);
     for (size_t s = 0; s < subs; ++s)
       first[s] = -1;
     join_substructures(&w, first);

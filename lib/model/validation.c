@@ -1,16 +1,11 @@
 /* Validation of a complete model. */
 #include "model/validation.h"
 
+#include "base/number/union_find.h"
 #include "model/geometry/mass_properties.h"
 
 #include <float.h>
 #include <string.h>
-
-static int root_of(int *parent, int body) {
-  while (parent[body] != body)
-    body = parent[body] = parent[parent[body]];
-  return body;
-}
 
 /* Marks the bodies connected to the inertial frame. */
 void km_model_check_ties(km_model *model, km_messages *messages) {
@@ -19,15 +14,14 @@ void km_model_check_ties(km_model *model, km_messages *messages) {
     model->arena.failed = true;
     return;
   }
-  for (int b = 0; b < model->body_count; ++b)
-    parent[b] = b;
+  km_sets_create(parent, model->body_count);
   for (int j = 0; j < model->joint_count; ++j) {
-    int a = root_of(parent, model->frames[model->joints[j].frame[0]].body);
-    int b = root_of(parent, model->frames[model->joints[j].frame[1]].body);
+    int a = km_set_of(parent, model->frames[model->joints[j].frame[0]].body);
+    int b = km_set_of(parent, model->frames[model->joints[j].frame[1]].body);
     parent[a > b ? a : b] = a < b ? a : b;
   }
   for (int b = 1; b < model->body_count; ++b)
-    if (root_of(parent, b) != 0)
+    if (km_set_of(parent, b) != 0)
       km_messages_add(messages, KM_ERROR,
                       "%s: body \"%.80s\" is tied to the inertial frame by no chain of joints; expected at least "
                       "one (a joint of type float ties a free body to [\"fixed\"])",

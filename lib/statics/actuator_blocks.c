@@ -1,5 +1,6 @@
 /* Blocks of a static balance (theory 9.3): substructures and tree joints that the actuators move together, since a
  * pushed point can move several (union-find). */
+#include "base/number/union_find.h"
 #include "statics/statics.h"
 
 /* Parts are the substructures, then the coordinates; tree joints are parts of their own. */
@@ -16,17 +17,11 @@ static int part_of(const km_mechanism *m, int coordinate) {
   return substructure >= 0 ? substructure : m->topology.substructure_count + coordinate;
 }
 
-static int find_representative(const part_groups *g, int part) {
-  while (g->parent[part] != part)
-    part = g->parent[part] = g->parent[g->parent[part]];
-  return part;
-}
-
 static void unite_with_point(void *context, int coordinate, bool is_reversed) {
   part_groups *g = context;
-  int part = find_representative(g, part_of(g->m, coordinate));
+  int part = km_set_of(g->parent, part_of(g->m, coordinate));
   (void)is_reversed;
-  int other = g->first < 0 ? part : find_representative(g, g->first);
+  int other = g->first < 0 ? part : km_set_of(g->parent, g->first);
   g->first = part;
   if (other == part)
     return;
@@ -54,7 +49,7 @@ static km_status unite_parts(part_groups *g, const km_statics *st, km_error *err
 static void number_blocks(part_groups *g, km_statics_workspace *w) {
   int substructures = g->m->topology.substructure_count;
   for (int part = 0; part < substructures + g->m->coordinate_count; ++part) {
-    int coordinate = part - substructures, root = find_representative(g, part);
+    int coordinate = part - substructures, root = km_set_of(g->parent, part);
     bool is_block_part = part < substructures || (part_of(g->m, coordinate) == part && g->size[root] > 1);
     if (is_block_part && g->block[root] < 0)
       g->block[root] = w->block_count++;
@@ -62,7 +57,7 @@ static void number_blocks(part_groups *g, km_statics_workspace *w) {
 }
 
 static int block_of(const part_groups *g, int part) {
-  return g->block[find_representative(g, part)];
+  return g->block[km_set_of(g->parent, part)];
 }
 
 static void add_members(const part_groups *g, km_statics_workspace *w) {

@@ -1,29 +1,20 @@
 /* Characteristic length of a model that states none: its longest link (docs/theory.md 1.4). */
 #include "base/number/tolerances.h"
+#include "base/number/union_find.h"
 #include "topology/compile.h"
 
 #include "base/extrema.h"
 
 #include <string.h>
 
-/* Union-find: representative of a body among those connected by rigid joints. */
-static int find_representative(int *parent, int body) {
-  while (parent[body] != body) {
-    parent[body] = parent[parent[body]];
-    body = parent[body];
-  }
-  return body;
-}
-
 /* Union-find of bodies connected by rigid joints, in parent[body]. */
 static void unite_rigid_bodies(const km_model *model, int *parent) {
-  for (int b = 0; b < model->body_count; ++b)
-    parent[b] = b;
+  km_sets_create(parent, model->body_count);
   for (int j = 0; j < model->joint_count; ++j) {
     const km_model_joint *def = &model->joints[j];
     if (def->type == KM_RIGID)
-      parent[find_representative(parent, model->frames[def->frame[0]].body)] =
-          find_representative(parent, model->frames[def->frame[1]].body);
+      parent[km_set_of(parent, model->frames[def->frame[0]].body)] =
+          km_set_of(parent, model->frames[def->frame[1]].body);
   }
 }
 
@@ -64,7 +55,7 @@ double km_longest_link(const km_model *model, const km_compile_workspace *worksp
   unite_rigid_bodies(model, parent);
   sort_frames_by_body(model, first, frame);
   for (int b = 1; b < model->body_count; ++b)
-    for (int i = first[b]; i < first[b + 1] && find_representative(parent, b) != find_representative(parent, 0); ++i)
+    for (int i = first[b]; i < first[b + 1] && km_set_of(parent, b) != km_set_of(parent, 0); ++i)
       for (int k = first[b]; k < i; ++k)
         longest = km_larger(
             km_squared_distance(model->frames[frame[i]].pose.p, model->frames[frame[k]].pose.p, rounding_length),

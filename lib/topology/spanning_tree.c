@@ -1,6 +1,8 @@
 /* Spanning tree (breadth-first), fundamental cycles and biconnected components of a graph (docs/theory.md 2.2). */
 #include "topology/short_loops.h"
 
+#include "base/number/union_find.h"
+
 #include <string.h>
 
 /* Lists the joints at each body. */
@@ -20,17 +22,10 @@ static void build_incidence(const km_graph *g, km_incidence *incidence) {
   incidence->start[g->body_count] = 2 * g->joint_count;
 }
 
-/* Union-find. */
-static int find_root(int *set, int i) {
-  while (set[i] != i)
-    i = set[i] = set[set[i]];
-  return i;
-}
-
 /* Unites the classes of a and b; the smallest number represents the class. False if they were one. */
 static bool unite_sets(int *set, int a, int b) {
-  a = find_root(set, a);
-  b = find_root(set, b);
+  a = km_set_of(set, a);
+  b = km_set_of(set, b);
   set[a > b ? a : b] = a < b ? a : b;
   return a != b;
 }
@@ -38,8 +33,7 @@ static bool unite_sets(int *set, int a, int b) {
 /* Marks the joints that a tree may use: those that aren't cut, and of those to cut the ones without which bodies are
  * separate (J. B. Kruskal 1956, with two weights). set: [bodies] workspace. */
 static void choose_usable_joints(const km_graph *g, int *set, bool *is_usable) {
-  for (int b = 0; b < g->body_count; ++b)
-    set[b] = b;
+  km_sets_create(set, g->body_count);
   for (int pass = 0; pass < 2; ++pass)
     for (int j = 0; j < g->joint_count; ++j)
       if ((g->is_cut && g->is_cut[j]) == pass)
@@ -141,7 +135,7 @@ static void unite_joints(const km_graph *g, const km_topology *t, int *set, bool
 /* Numbers the substructures by their first joint. */
 static void number_substructures(km_topology *t, int *set, const bool *is_in_substructure) {
   for (int j = 0; j < t->joint_count; ++j) {
-    int root = find_root(set, j);
+    int root = km_set_of(set, j);
     if (!is_in_substructure[j])
       t->substructure_of_joint[j] = -1;
     else
@@ -233,8 +227,7 @@ static bool build(const km_graph *g, km_arena *arena, km_arena *scratch, km_topo
   if (arena->failed)
     return false;
   list_members(g, t);
-  for (int j = 0; j < g->joint_count; ++j)
-    set[j] = j;
+  km_sets_create(set, g->joint_count);
   unite_joints(g, t, set, is_in_substructure);
   number_substructures(t, set, is_in_substructure);
   group_joints_and_loops(t);

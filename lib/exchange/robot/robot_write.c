@@ -2,6 +2,7 @@
 #include "exchange/robot/robot_write.h"
 
 #include "base/name_map.h"
+#include "base/number/union_find.h"
 #include "exchange/mesh/mesh_folders.h"
 
 #include <math.h>
@@ -116,20 +117,13 @@ static int worth(const km_model *m, int joint) {
   return km_written_is_limited(m, def->first_coordinate) ? 2 : 1;
 }
 
-static int root_of(int *leader, int body) {
-  while (leader[body] != body)
-    body = leader[body] = leader[leader[body]];
-  return body;
-}
-
 static void choose_tree(km_written *w, int *leader) {
   const km_model *m = w->model;
-  for (int b = 0; b < m->body_count; ++b)
-    leader[b] = b;
+  km_sets_create(leader, m->body_count);
   for (int class = 3; class >= 0; --class)
     for (int j = 0; j < m->joint_count; ++j) {
-      int a = root_of(leader, m->frames[m->joints[j].frame[0]].body),
-          b = root_of(leader, m->frames[m->joints[j].frame[1]].body);
+      int a = km_set_of(leader, m->frames[m->joints[j].frame[0]].body),
+          b = km_set_of(leader, m->frames[m->joints[j].frame[1]].body);
       if (worth(m, j) != class || a == b)
         continue;
       leader[a] = b;
@@ -245,14 +239,13 @@ static int parent_of(const km_written *w, int body) {
 /* True if the joint is in a loop: its ends are connected without it. */
 static bool in_loop(const km_written *w, int joint, int *leader) {
   const km_model *m = w->model;
-  for (int b = 0; b < m->body_count; ++b)
-    leader[b] = b;
+  km_sets_create(leader, m->body_count);
   for (int j = 0; j < m->joint_count; ++j)
     if (j != joint)
-      leader[root_of(leader, m->frames[m->joints[j].frame[0]].body)] =
-          root_of(leader, m->frames[m->joints[j].frame[1]].body);
+      leader[km_set_of(leader, m->frames[m->joints[j].frame[0]].body)] =
+          km_set_of(leader, m->frames[m->joints[j].frame[1]].body);
   const km_model_joint *def = &m->joints[joint];
-  return root_of(leader, m->frames[def->frame[0]].body) == root_of(leader, m->frames[def->frame[1]].body);
+  return km_set_of(leader, m->frames[def->frame[0]].body) == km_set_of(leader, m->frames[def->frame[1]].body);
 }
 
 static bool is_coupled(const km_model *m, int joint) {

@@ -1,0 +1,18 @@
+/* Disjoint sets (union-find with path halving): a set is a tree of parents, represented by its root (R. Tarjan 1975). */
+#ifndef KM_BASE_NUMBER_UNION_FIND_H
+#define KM_BASE_NUMBER_UNION_FIND_H
+
+/* Makes each of 0 … count − 1 a set of its own: parent[count]. */
+static inline void km_sets_create(int *parent, int count) {
+  for (int i = 0; i < count; ++i)
+    parent[i] = i;
+}
+
+/* Returns the representative of i's set, and shortens the way to it. */
+static inline int km_set_of(int *parent, int i) {
+  while (parent[i] != i)
+    i = parent[i] = parent[parent[i]];
+  return i;
+}
+
+#endif
