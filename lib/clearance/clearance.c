@@ -143,7 +143,7 @@ static void group_bodies(const km_mechanism *m, int *group) {
 
 static bool are_joined(const km_model *model, int a, int b) {
   for (int j = 0; j < model->joint_count; ++j) {
-    int one = model->frames[model->joints[j].frame[0]].body, two = model->frames[model->joints[j].frame[1]].body;
+    int one = km_joint_body(model, j, 0), two = km_joint_body(model, j, 1);
     if ((one == a && two == b) || (one == b && two == a))
       return true;
   }

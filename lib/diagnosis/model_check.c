@@ -264,7 +264,7 @@ static bool is_massless(const km_mechanism *m, int loop) {
   const km_topology *t = &m->topology;
   for (int i = t->member_start[loop]; i < t->member_start[loop + 1]; ++i)
     for (int end = 0; end < 2; ++end) {
-      int body = m->model->frames[m->model->joints[t->member[i].joint].frame[end]].body;
+      int body = km_joint_body(m->model, t->member[i].joint, end);
       if (body != 0 && m->model->bodies[body].mass > 0.0)
         return false;
     }

@@ -12,10 +12,6 @@
 
 #include <math.h>
 
-static int body_of(const km_mechanism *m, int joint, int side) {
-  return m->model->frames[m->model->joints[joint].frame[side]].body;
-}
-
 /* Number of joints between a body and the inertial frame along the spanning tree. */
 static int depth_of(const km_mechanism *m, int body) {
   int depth = 0;
@@ -26,7 +22,7 @@ static int depth_of(const km_mechanism *m, int body) {
 
 /* True if the joint connects the body, and isn't used yet. */
 static bool continues(const km_mechanism *m, int joint, int body, bool is_used) {
-  return !is_used && (body_of(m, joint, 0) == body || body_of(m, joint, 1) == body);
+  return !is_used && (km_joint_body(m->model, joint, 0) == body || km_joint_body(m->model, joint, 1) == body);
 }
 
 /* Orders the joints round a loop of four hinges from the ground on; false: another loop. bodies[i] lies between joints
@@ -43,10 +39,10 @@ static bool order_loop(const km_mechanism *m, int loop, km_four_bar *out) {
     if (kind->freedom != 1 || kind->motions[0].primitive != KM_REVOLUTE || m->held[joint->first_coordinate])
       return false;
   }
-  int ground = body_of(m, joints[0], 0);
+  int ground = km_joint_body(m->model, joints[0], 0);
   for (int i = 0; i < 4; ++i)
     for (int side = 0; side < 2; ++side) {
-      int body = body_of(m, joints[i], side);
+      int body = km_joint_body(m->model, joints[i], side);
       first = depth_of(m, body) < depth_of(m, ground) ? i : first;
       ground = depth_of(m, body) < depth_of(m, ground) ? body : ground;
     }
@@ -59,7 +55,8 @@ static bool order_loop(const km_mechanism *m, int loop, km_four_bar *out) {
       return false;
     used |= 1 << next;
     out->joints[k] = joints[next];
-    body = body_of(m, joints[next], 0) == body ? body_of(m, joints[next], 1) : body_of(m, joints[next], 0);
+    body = km_joint_body(m->model, joints[next], 0) == body ? km_joint_body(m->model, joints[next], 1)
+                                                            : km_joint_body(m->model, joints[next], 0);
     if (k < 3)
       out->bodies[k + 1] = body;
     else if (body != out->bodies[0])

@@ -30,10 +30,6 @@ typedef struct body_groups {
   int *row_index;      /* [rows] index of each row among those of the present group; -1: none */
 } body_groups;
 
-static int body_at(const km_model *model, int joint, int end) {
-  return model->frames[model->joints[joint].frame[end]].body;
-}
-
 static bool is_coupled(const km_model *model, int joint) {
   for (int i = 0; i < model->coupling_count; ++i)
     for (int k = 0; k < model->couplings[i].count; ++k)
@@ -56,7 +52,7 @@ static void unite_across_simple_joints(const body_groups *g) {
   for (int i = t->joint_start[g->index]; i < t->joint_start[g->index + 1]; ++i) {
     int j = t->joint[i];
     if (km_joint_kind_of(model->joints[j].type)->freedom <= 1 || is_coupled(model, j))
-      unite(g, body_at(model, j, 0), body_at(model, j, 1));
+      unite(g, km_joint_body(model, j, 0), km_joint_body(model, j, 1));
   }
 }
 
@@ -146,13 +142,13 @@ static bool make_groups(body_groups *g, const km_mechanism *m, km_state *s, int 
   memset(g->index_in_group, -1, bodies * sizeof *g->index_in_group);
   for (int i = t->joint_start[index]; i < t->joint_start[index + 1]; ++i)
     for (int end = 0; end < 2; ++end) {
-      int body = body_at(m->model, t->joint[i], end);
+      int body = km_joint_body(m->model, t->joint[i], end);
       if (g->index_in_group[body] < 0)
         g->index_in_group[body] = g->size[km_set_of(g->parent, body)]++;
     }
   for (int k = 0; k < 2 * m->substructures[index].columns; ++k) {
     int coordinate = m->column_coordinate[m->substructures[index].column_start + k / 2];
-    g->column_group[k] = km_set_of(g->parent, body_at(m->model, m->model->coordinates[coordinate].joint, k % 2));
+    g->column_group[k] = km_set_of(g->parent, km_joint_body(m->model, m->model->coordinates[coordinate].joint, k % 2));
   }
   return true;
 }
@@ -283,8 +279,8 @@ void km_passive_coordinates(const km_mechanism *m, const km_passive_freedoms *fr
   for (int i = 0; i < freedoms->count; ++i)
     for (int j = 0; j < m->model->joint_count; ++j) {
       int freedom = km_joint_kind_of(m->model->joints[j].type)->freedom;
-      bool one = in_group(&freedoms->items[i], body_at(m->model, j, 0)),
-           other = in_group(&freedoms->items[i], body_at(m->model, j, 1));
+      bool one = in_group(&freedoms->items[i], km_joint_body(m->model, j, 0)),
+           other = in_group(&freedoms->items[i], km_joint_body(m->model, j, 1));
       for (int k = 0; k < freedom && freedom > 1 && one != other; ++k)
         marks[m->model->joints[j].first_coordinate + k] = true;
     }

@@ -319,6 +319,11 @@ static inline int km_model_freedom(const km_model *model, int joint) {
   return km_joint_kind_of(model->joints[joint].type)->freedom;
 }
 
+/* Body of a joint's parent frame (end 0) or child frame (end 1). */
+static inline int km_joint_body(const km_model *model, int joint, int end) {
+  return model->frames[model->joints[joint].frame[end]].body;
+}
+
 /* Factor from mass · acceleration in the model's units to the model's force unit. */
 double km_inertial_factor(const km_model *model);
 

@@ -16,8 +16,8 @@ void km_model_check_ties(km_model *model, km_messages *messages) {
   }
   km_sets_create(parent, model->body_count);
   for (int j = 0; j < model->joint_count; ++j) {
-    int a = km_set_of(parent, model->frames[model->joints[j].frame[0]].body);
-    int b = km_set_of(parent, model->frames[model->joints[j].frame[1]].body);
+    int a = km_set_of(parent, km_joint_body(model, j, 0));
+    int b = km_set_of(parent, km_joint_body(model, j, 1));
     parent[a > b ? a : b] = a < b ? a : b;
   }
   for (int b = 1; b < model->body_count; ++b)

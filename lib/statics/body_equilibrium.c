@@ -34,18 +34,14 @@ typedef struct km_body_equilibrium {
   int equations;       /* number of equations at the last configuration */
 } equilibrium;
 
-static int body_of(const km_mechanism *m, int joint, int side) {
-  return m->model->frames[m->model->joints[joint].frame[side]].body;
-}
-
 static void list_bodies(equilibrium *e) {
   for (int b = 0; b < e->m->topology.body_count; ++b)
     e->body_index[b] = -1;
   for (int i = 0; i < e->bodies; ++i)
     e->body_index[e->body[i]] = i;
   for (int j = 0; j < e->joints; ++j) {
-    e->tail[j] = e->body_index[body_of(e->m, e->joint[j], 0)];
-    e->head[j] = e->body_index[body_of(e->m, e->joint[j], 1)];
+    e->tail[j] = e->body_index[km_joint_body(e->m->model, e->joint[j], 0)];
+    e->head[j] = e->body_index[km_joint_body(e->m->model, e->joint[j], 1)];
   }
 }
 

@@ -157,7 +157,7 @@ static int list_links(const dead_point *c, const int *joint, int count, int *out
     int is_last = 0;
     for (int i = 0; i < count; ++i)
       for (int e = 0; e < 2; ++e)
-        is_last += model->frames[model->joints[joint[i]].frame[e]].body == b;
+        is_last += km_joint_body(model, joint[i], e) == b;
     if (is_last >= 2)
       out[found++] = b;
   }

@@ -22,13 +22,13 @@ static void unite_rigid_bodies(const km_model *model, int *parent) {
 static void sort_frames_by_body(const km_model *model, int *first, int *frame) {
   for (int j = 0; j < model->joint_count; ++j)
     for (int e = 0; e < 2; ++e)
-      first[model->frames[model->joints[j].frame[e]].body + 2]++;
+      first[km_joint_body(model, j, e) + 2]++;
   for (int b = 0; b < model->body_count; ++b)
     first[b + 2] += first[b + 1];
   /* first[b + 1] is the index of the next frame of body b; in the end it is the first index of body b + 1. */
   for (int j = 0; j < model->joint_count; ++j)
     for (int e = 0; e < 2; ++e)
-      frame[first[model->frames[model->joints[j].frame[e]].body + 1]++] = model->joints[j].frame[e];
+      frame[first[km_joint_body(model, j, e) + 1]++] = model->joints[j].frame[e];
 }
 
 /* Rounding length of positions: 1e-14 of the largest coordinate. */

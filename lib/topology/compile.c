@@ -27,7 +27,7 @@ static km_status build_topology(km_mechanism *m, bool cuts_balls, km_error *erro
     return km_fail(error, KM_MEMORY, "out of memory while compiling the mechanism");
   }
   for (int j = 0; j < model->joint_count; ++j) {
-    edges[j] = (km_edge){model->frames[model->joints[j].frame[0]].body, model->frames[model->joints[j].frame[1]].body};
+    edges[j] = (km_edge){km_joint_body(model, j, 0), km_joint_body(model, j, 1)};
     is_cut[j] = cuts_balls && is_ball_joint(model, j);
   }
   for (int i = 0; i < model->coupling_count; ++i) {

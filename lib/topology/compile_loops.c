@@ -121,8 +121,7 @@ static km_chain_frame compile_side(km_mechanism *m, km_program *program, km_loop
     const km_member *member = &t->member[i];
     if (member->side != side)
       continue;
-    int first = program->step_count,
-        body = m->model->frames[m->model->joints[member->joint].frame[!member->is_reversed]].body;
+    int first = program->step_count, body = km_joint_body(m->model, member->joint, !member->is_reversed);
     bool is_shared_path = is_common && w->stamp[body] == w->current_stamp && w->entry_joint[body] == member->joint;
     is_common = is_shared_path || (is_common && member->joint != t->chord[l] && w->stamp[body] != w->current_stamp);
     if (is_shared_path) {

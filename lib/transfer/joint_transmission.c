@@ -116,7 +116,7 @@ size_t km_joint_transmission_count(const km_joint_transmission *w) {
 /* Velocity of a hinge's point. */
 static km_vec3 hinge_velocity(const km_joint_transmission *w, const km_state *s, int joint) {
   const km_mechanism *m = w->mechanism;
-  int body = m->model->frames[m->model->joints[joint].frame[0]].body;
+  int body = km_joint_body(m->model, joint, 0);
   return km_point_velocity(w->motion[body].V, km_joint_pose(m, s, joint).p);
 }
 

@@ -209,7 +209,7 @@ static void add_children(km_written *w, km_mjcf_order *order, int body) {
       add_body(w, order, w->order[i]);
   }
   for (int j = 0; j < w->model->joint_count; ++j) {
-    if (w->in_tree[j] || w->model->frames[w->model->joints[j].frame[0]].body != body || !is_welded(w, j))
+    if (w->in_tree[j] || km_joint_body(w->model, j, 0) != body || !is_welded(w, j))
       continue;
     km_written_joint way = km_written_pass(w, j, body);
     km_pose X = between(w, body, way.to);

@@ -122,8 +122,7 @@ static void choose_tree(km_written *w, int *leader) {
   km_sets_create(leader, m->body_count);
   for (int class = 3; class >= 0; --class)
     for (int j = 0; j < m->joint_count; ++j) {
-      int a = km_set_of(leader, m->frames[m->joints[j].frame[0]].body),
-          b = km_set_of(leader, m->frames[m->joints[j].frame[1]].body);
+      int a = km_set_of(leader, km_joint_body(m, j, 0)), b = km_set_of(leader, km_joint_body(m, j, 1));
       if (worth(m, j) != class || a == b)
         continue;
       leader[a] = b;
@@ -139,7 +138,7 @@ static void orient(km_written *w, bool *reached) {
   for (bool more = true; more;) {
     more = false;
     for (int j = 0; j < m->joint_count; ++j) {
-      int a = m->frames[m->joints[j].frame[0]].body, b = m->frames[m->joints[j].frame[1]].body;
+      int a = km_joint_body(m, j, 0), b = km_joint_body(m, j, 1);
       if (!w->in_tree[j] || reached[a] == reached[b])
         continue;
       int body = reached[a] ? b : a;
@@ -242,8 +241,7 @@ static bool in_loop(const km_written *w, int joint, int *leader) {
   km_sets_create(leader, m->body_count);
   for (int j = 0; j < m->joint_count; ++j)
     if (j != joint)
-      leader[km_set_of(leader, m->frames[m->joints[j].frame[0]].body)] =
-          km_set_of(leader, m->frames[m->joints[j].frame[1]].body);
+      leader[km_set_of(leader, km_joint_body(m, j, 0))] = km_set_of(leader, km_joint_body(m, j, 1));
   const km_model_joint *def = &m->joints[joint];
   return km_set_of(leader, m->frames[def->frame[0]].body) == km_set_of(leader, m->frames[def->frame[1]].body);
 }
@@ -293,7 +291,7 @@ static km_status check_loops(km_written *w, km_error *error) {
   for (int j = 0; j < m->joint_count; ++j) {
     if (w->in_tree[j])
       continue;
-    int from = m->frames[m->joints[j].frame[0]].body;
+    int from = km_joint_body(m, j, 0);
     km_written_joint way = km_written_pass(w, j, from);
     km_pose X = km_written_through(&way, w->q);
     km_pose Y = km_pose_product(&w->world[from], &X);

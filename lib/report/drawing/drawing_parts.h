@@ -203,8 +203,6 @@ bool km_joint_is_solid(const km_scene *scene, int joint);
 /* Half the size of a joint's symbol on the page. */
 double km_symbol_reach(const km_scene *scene, int joint);
 km_pose km_joint_frame(const km_scene *scene, int joint, int end);
-/* Body at end 0 (parent) or 1 (child) of a joint. */
-int km_joint_body(const km_model *model, int joint, int end);
 
 /* Painting. */
 km_colour km_mix(km_colour colour, km_colour other, double part);

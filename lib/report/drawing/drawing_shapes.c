@@ -3,10 +3,6 @@
 
 static const double same = 1e-6; /* relative to the mechanism's size: nearer points are merged */
 
-int km_joint_body(const km_model *model, int joint, int end) {
-  return model->frames[model->joints[joint].frame[end]].body;
-}
-
 static void add_point(km_shape *shape, km_vec3 point, double near) {
   for (int i = 0; i < shape->count; ++i)
     if (km_vec3_norm(km_vec3_sub(shape->points[i], point)) <= near)

@@ -37,7 +37,7 @@ static double find_pitch(const km_mechanism *m) {
 }
 
 static int tail_of(const km_mechanism *m, int loop) {
-  return m->model->frames[m->model->joints[m->topology.chord[loop]].frame[0]].body;
+  return km_joint_body(m->model, m->topology.chord[loop], 0);
 }
 
 /* Computes the number of columns of each body, width[body]. */

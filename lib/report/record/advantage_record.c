@@ -201,7 +201,7 @@ static bool is_at_input(const km_mechanism *m, const km_port *input, int joint) 
   for (int side = 0; side < 2; ++side)
     for (int end = 0; end < 2; ++end) {
       const int body = model->frames[driver->frame[side]].body;
-      if (body != 0 && body == model->frames[model->joints[joint].frame[end]].body)
+      if (body != 0 && body == km_joint_body(model, joint, end))
         return true;
     }
   return false;

@@ -8,10 +8,6 @@
 enum { MOST_TURNS = 30 };
 static const double same_angle = 1e-13; /* radians: rounding of τ, 1e-15, where it is well conditioned */
 
-static int body_at(const km_model *model, int joint, int end) {
-  return model->frames[model->joints[joint].frame[end]].body;
-}
-
 static bool is_in(const km_passive_freedom *group, int body) {
   for (int i = 0; i < group->body_count; ++i)
     if (group->bodies[i] == body)
@@ -28,10 +24,10 @@ static km_vec3 find_axis(const km_rod_spin *r, const km_mechanism *m, const km_s
 /* c in the inertial frame, for a rod along d. */
 static km_vec3 find_pole(const km_rod_spin *r, const km_mechanism *m, const km_state *s, km_vec3 d) {
   const km_model *model = m->model;
-  int other = body_at(model, r->joint[0], r->sense[0] > 0.0 ? 0 : 1);
+  int other = km_joint_body(model, r->joint[0], r->sense[0] > 0.0 ? 0 : 1);
   for (int j = 0; j < model->joint_count; ++j) {
     int axis = km_joint_axis(model->joints[j].type);
-    if (axis < 0 || (body_at(model, j, 0) != other && body_at(model, j, 1) != other))
+    if (axis < 0 || (km_joint_body(model, j, 0) != other && km_joint_body(model, j, 1) != other))
       continue;
     km_vec3 hinge = km_joint_pose(m, s, j).R.axis[axis];
     return km_vec3_scale(km_vec3_dot(hinge, d) < 0.0 ? -1.0 : 1.0, hinge);
@@ -54,7 +50,7 @@ bool km_rod_spin_create(const km_mechanism *m, const km_state *s, const km_passi
   int count = 0;
   *r = (km_rod_spin){.body = freedom->bodies[0]};
   for (int j = 0; j < model->joint_count; ++j) {
-    bool is_second = is_in(freedom, body_at(model, j, 1)), is_first = is_in(freedom, body_at(model, j, 0));
+    bool is_second = is_in(freedom, km_joint_body(model, j, 1)), is_first = is_in(freedom, km_joint_body(model, j, 0));
     if (is_first == is_second)
       continue;
     if (count == 2 || model->joints[j].type != KM_SPHERICAL)
