@@ -199,13 +199,12 @@ static bool is_degrees(const km_model *model, double value) {
 /* Warns of the first value of a coordinate that looks like degrees; returns true if there is one. */
 static bool check_angle(const km_model *model, int c, const double *values, int count, const char *what,
                         km_findings *f) {
-  const km_model_coordinate *def = &model->coordinates[c];
-  if (km_joint_is_length(model->joints[def->joint].type, def->index))
+  if (km_model_coordinate_is_length(model, c))
     return false;
   for (int k = 0; k < count; ++k)
     if (is_degrees(model, values[k])) {
       add_finding(f, KM_FINDING_WARNING, "angles", "write \"angle\": \"degrees\" in units, or the angle in radians",
-                  "joint %s has %s of %g rad, which looks like degrees%s", def->label, what, values[k],
+                  "joint %s has %s of %g rad, which looks like degrees%s", model->coordinates[c].label, what, values[k],
                   model->angle_assumed ? "; the file states no unit of angles" : "");
       return true;
     }

@@ -130,7 +130,7 @@ const char *km_model_load_name(const km_model *model, int index) {
 
 void km_forces_add_joint(const km_model *model, km_forces *f, int c, double force) {
   f->joint[c] += force;
-  if (km_joint_is_length(model->joints[model->coordinates[c].joint].type, model->coordinates[c].index))
+  if (km_model_coordinate_is_length(model, c))
     f->force_size += fabs(force);
   else
     f->couple_size += fabs(force);
@@ -214,8 +214,7 @@ void km_torque_unit(const km_model *model, km_text *out) {
 }
 
 void km_force_unit(const km_model *model, int coordinate, km_text *out) {
-  const km_model_coordinate *def = &model->coordinates[coordinate];
-  if (km_joint_is_length(model->joints[def->joint].type, def->index))
+  if (km_model_coordinate_is_length(model, coordinate))
     km_text_add(out, model->units.force->suffix);
   else
     km_torque_unit(model, out);

@@ -61,8 +61,7 @@ void km_pushed_points_apply(const km_mechanism *m, const km_forces *f, km_static
 bool km_actuator_has_force(const km_model *model, const km_port *actuator) {
   if (actuator->kind == KM_PORT_POINT)
     return true;
-  const km_model_coordinate *def = &model->coordinates[actuator->coordinate];
-  return km_joint_is_length(model->joints[def->joint].type, def->index);
+  return km_model_coordinate_is_length(model, actuator->coordinate);
 }
 
 double km_actuator_most(const km_mechanism *m, const km_port *actuator) {

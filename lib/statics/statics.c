@@ -163,8 +163,7 @@ static void compute_generalised_forces(const km_mechanism *m, const km_state *s,
   memcpy(w->subtree, f->body, (size_t)t->body_count * sizeof *f->body);
   memcpy(w->tau, f->joint, (size_t)m->coordinate_count * sizeof *w->tau);
   for (int c = 0; c < m->coordinate_count; ++c) {
-    const km_model_coordinate *def = &m->model->coordinates[c];
-    bool length = km_joint_is_length(m->model->joints[def->joint].type, def->index);
+    bool length = km_model_coordinate_is_length(m->model, c);
     w->least_load[c] =
         km_load_rounding * (length ? f->force_size + f->couple_size / size : f->force_size * size + f->couple_size);
   }

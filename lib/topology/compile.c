@@ -127,7 +127,7 @@ static void set_coordinates(km_mechanism *m, const km_hold *holds, int hold_coun
   for (int c = 0; c < m->coordinate_count; ++c) {
     const km_model_coordinate *def = &model->coordinates[c];
     double factor = km_model_coordinate_factor(model, c);
-    bool length = km_joint_is_length(model->joints[def->joint].type, def->index);
+    bool length = km_model_coordinate_is_length(model, c);
     m->factor[c] = factor;
     m->start[c] = factor * def->position;
     m->start_rate[c] = factor * def->rate;

@@ -50,10 +50,8 @@ km_status km_check_ports(const km_mechanism *m, const km_port *input, const km_p
 }
 
 static bool is_angle(const km_model *model, const km_port *h) {
-  if (h->kind != KM_PORT_JOINT || h->coordinate < 0 || h->coordinate >= model->coordinate_count)
-    return false;
-  const km_model_coordinate *def = &model->coordinates[h->coordinate];
-  return !km_joint_is_length(model->joints[def->joint].type, def->index);
+  return h->kind == KM_PORT_JOINT && h->coordinate >= 0 && h->coordinate < model->coordinate_count &&
+         !km_model_coordinate_is_length(model, h->coordinate);
 }
 
 const char *km_advantage_unit(const km_model *model, const km_port *input, const km_port *output) {

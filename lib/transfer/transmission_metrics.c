@@ -350,8 +350,7 @@ const char *km_transmission_unit(const km_model *model, const km_port *output, i
     return model->units.angle->suffix;
   if (metric != 1 || output->kind != KM_PORT_JOINT)
     return "";
-  const km_model_coordinate *def = &model->coordinates[output->coordinate];
-  return km_joint_is_length(model->joints[def->joint].type, def->index) ? "" : model->units.length->suffix;
+  return km_model_coordinate_is_length(model, output->coordinate) ? "" : model->units.length->suffix;
 }
 
 void km_transmission_values(const km_transmission *t, double out[KM_METRIC_COLUMNS]) {

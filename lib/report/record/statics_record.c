@@ -10,11 +10,6 @@
 
 #include <math.h>
 
-static bool is_length(const km_model *model, int coordinate) {
-  const km_model_coordinate *def = &model->coordinates[coordinate];
-  return km_joint_is_length(model->joints[def->joint].type, def->index);
-}
-
 static void add_directions(const km_mechanism *m, const km_statics *st, km_value *record, km_arena *arena) {
   km_value *list = km_value_add(arena, record, "undetermined_directions", KM_LIST);
   for (int d = 0; d < st->direction_count && d < KM_MAX_DIRECTIONS && !arena->failed; ++d) {
@@ -133,7 +128,7 @@ void km_direction_words(const km_mechanism *m, const km_statics *st, int directi
     if (best < 0)
       return;
     km_text_format(out, "%s%s by %.3g %s", i ? ", " : "", m->model->coordinates[best].label, rates[best],
-                   is_length(m->model, best) ? m->model->units.length->suffix : "rad");
+                   km_model_coordinate_is_length(m->model, best) ? m->model->units.length->suffix : "rad");
     last = size;
     last_coordinate = best;
   }

@@ -228,9 +228,7 @@ static void convert_map(const converter *c, const km_value *value, km_value *par
     int joint, coordinate;
     context at = {0};
     if (km_model_find_coordinate(c->model, v->key, &coordinate, NULL) == KM_OK) {
-      const km_model_coordinate *def = &c->model->coordinates[coordinate];
-      bool length = km_joint_is_length(c->model->joints[def->joint].type, def->index);
-      at.type = length ? KM_TX : KM_RX;
+      at.type = km_model_coordinate_is_length(c->model, coordinate) ? KM_TX : KM_RX;
     } else if (km_model_find_joint(c->model, v->key, &joint, NULL) == KM_OK) {
       at.type = c->model->joints[joint].type;
     }
@@ -240,10 +238,7 @@ static void convert_map(const converter *c, const km_value *value, km_value *par
 
 /* True if a port is a length, not an angle. */
 static bool port_is_length(const converter *c, int port, km_distance distance) {
-  if (port < 0)
-    return distance <= KM_DISTANCE_Z;
-  const km_model_coordinate *def = &c->model->coordinates[port];
-  return km_joint_is_length(c->model->joints[def->joint].type, def->index);
+  return port < 0 ? distance <= KM_DISTANCE_Z : km_model_coordinate_is_length(c->model, port);
 }
 
 static km_dimension variable_dimension(km_dimension displacement, km_module_variable variable) {

@@ -20,7 +20,7 @@ bool km_drawing_moved(const km_model *model, const double *q) {
     size = fmax(size, km_vec3_norm(model->frames[f].pose.p));
   for (int c = 0; c < model->coordinate_count; ++c) {
     const km_model_coordinate *def = &model->coordinates[c];
-    bool length = km_joint_is_length(model->joints[def->joint].type, def->index);
+    bool length = km_model_coordinate_is_length(model, c);
     double unit = length ? size : 1.0 / model->units.angle->si;
     if (km_joint_in_drawing(model, def->joint) && fabs(q[c] - def->position) > 1e-9 * unit)
       return true;
