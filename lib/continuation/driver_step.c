@@ -6,7 +6,7 @@
  *                      sign of det(pivot block) unchanged or |h| <= 1e-5, no limit exceeded */
 #include "continuation/driver_step.h"
 
-#include "base/extrema.h"
+#include "base/number/vectors.h"
 #include "kinematics/loop_closing.h"
 #include "kinematics/loop_equations.h"
 
@@ -139,10 +139,8 @@ static bool may_be_singular(const km_driver_motion *d) {
 /* True if the predicted configuration violates the closure by over 100 times the predictor's error. */
 static bool violates_closure(km_driver_motion *d) {
   const km_substructure *sub = km_driver_motion_substructure(d);
-  double longest = 0.0;
+  double longest = km_max_norm(d->c.move, sub->columns);
   int worst;
-  for (int k = 0; k < sub->columns; ++k)
-    longest = km_larger(fabs(d->c.move[k]), longest);
   km_state_move(d->c.mechanism, d->c.state, sub, d->c.move);
   km_loops_update(d->c.mechanism, d->c.state, sub);
   double misfit = km_loops_residual(d->c.mechanism, d->c.state, sub, &worst);

@@ -157,7 +157,7 @@ double km_minimum_norm_path_predict_implicit(km_nearest_configuration *closest, 
                                              int index, int driver, const km_step_history *c, double h, double *move) {
   const km_substructure *sub = &m->substructures[index];
   int columns = sub->columns;
-  double ratio = c->last_h != 0.0 ? h / c->last_h : 0.0, error = 0.0;
+  double ratio = c->last_h != 0.0 ? h / c->last_h : 0.0;
   bool has_last_step = ratio > 0.0 && ratio <= km_continuation_extrapolation_limit;
   /* backward difference: part of the last move in its origin */
   double last_move_weight = has_last_step ? ratio * ratio / (1.0 + 2.0 * ratio) : 0.0;
@@ -180,9 +180,7 @@ double km_minimum_norm_path_predict_implicit(km_nearest_configuration *closest, 
    * estimate. */
   for (int i = 0; i < 2; ++i)
     km_nearest_configuration_follow(closest, m, sub, extrapolated);
-  for (int k = 0; k < columns; ++k)
-    error = fabs(extrapolated[k]) <= error ? error : fabs(extrapolated[k]);
   /* The loops determine an implicit step to the step tolerance near singular configurations; the error decays on a
    * stiff path. */
-  return error / (km_path_allowed * km_max_norm(move, columns) + km_relative_zero);
+  return km_max_norm(extrapolated, columns) / (km_path_allowed * km_max_norm(move, columns) + km_relative_zero);
 }

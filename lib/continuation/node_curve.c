@@ -4,7 +4,7 @@
  *   H_i = (1 - 2 l_i'(x_i) (u - x_i)) l_i^2,  K_i = (u - x_i) l_i^2,   l_i Lagrange's polynomials */
 #include "continuation/node_curve.h"
 
-#include "base/extrema.h"
+#include "base/number/vectors.h"
 #include "kinematics/loop_equations.h"
 
 #include <string.h>
@@ -104,7 +104,6 @@ void km_node_curve_tangent(const km_node_curve *curve, km_continuation *c, doubl
 
 double km_node_curve_highest_coefficient(const km_node_curve *curve, km_continuation *c) {
   hermite_weights w;
-  double largest = 0.0;
   for (int i = 0; i < KM_CURVE_NODES; ++i) {
     double leading = 1.0, slope_at_node = 0.0;
     for (int j = 0; j < KM_CURVE_NODES; ++j)
@@ -116,9 +115,7 @@ double km_node_curve_highest_coefficient(const km_node_curve *curve, km_continua
     w.tangent[i] = leading * leading;
   }
   combine_nodes(curve, c, &w, curve->configuration[0], c->move);
-  for (int k = 0; k < km_continuation_sub(c)->columns; ++k)
-    largest = km_larger_or_nan(fabs(c->move[k]), largest);
-  return largest;
+  return km_max_norm(c->move, km_continuation_sub(c)->columns);
 }
 
 double km_node_curve_root(const double value[KM_CURVE_NODES], double u) {

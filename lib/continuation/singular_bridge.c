@@ -7,6 +7,7 @@
  * h^7, and closing the loops at seven places of |u| < 1 moves them by less than rounding does. A branch with another
  * tangent fails the second test by a part of h, one with the same tangent by a part of h^2. */
 #include "base/number/tolerances.h"
+#include "base/number/vectors.h"
 #include "continuation/driver_step.h"
 
 #include "base/extrema.h"
@@ -120,10 +121,7 @@ static bool find_nodes(km_driver_motion *d, double c, double h) {
  * unit of the driver) at the distance to which an end is located. Bounded rates mean a singular configuration that is
  * not an end. */
 static bool is_turning_point(const km_driver_motion *d) {
-  double fastest = 0.0;
-  for (int k = 0; k < km_driver_motion_substructure(d)->columns; ++k)
-    fastest = km_larger_or_nan(fabs(d->c.history.t[k]), fastest);
-  return !(fastest < km_driver_motion_diverging);
+  return !(km_max_norm(d->c.history.t, km_driver_motion_substructure(d)->columns) < km_driver_motion_diverging);
 }
 
 void km_singular_bridge_record(km_driver_motion *d, double h) {

@@ -6,6 +6,7 @@
  * Up to 240 rows: dense elimination, orthonormal vectors. Larger: one vector of the sparse factor per superfluous
  * row, each in few loops. A block is the rows of a loop or the row of a coupling. */
 #include "base/number/tolerances.h"
+#include "base/number/vectors.h"
 #include "kinematics/loop_equations.h"
 #include "local/local.h"
 #include "mobility/left_null_space.h"
@@ -15,15 +16,6 @@
 /* Most rows for the dense elimination. */
 enum { MOST_DENSE_ROWS = 240 };
 
-/* Subtracts from v its projection on a unit vector. */
-static void subtract_projection(double *v, const double *unit, int count) {
-  double dot = 0.0;
-  for (int r = 0; r < count; ++r)
-    dot += unit[r] * v[r];
-  for (int r = 0; r < count; ++r)
-    v[r] -= dot * unit[r];
-}
-
 /* Computes the orthonormal complement C[6 × returned] of a loop's own null vectors W[6 × count] in its six rows, by
  * Gram-Schmidt on the axes with the largest remainder first. */
 static int orthogonal_complement(const double *W, int count, double *C) {
@@ -31,16 +23,15 @@ static int orthogonal_complement(const double *W, int count, double *C) {
   for (; count + found < 6; ++found) {
     double *best = C + 6 * found, largest = 0.0;
     for (int axis = 0; axis < 6; ++axis) {
-      double v[6] = {0}, size = 0.0;
+      double v[6] = {0};
       v[axis] = 1.0;
       for (int pass = 0; pass < 2; ++pass) {
         for (int k = 0; k < count; ++k)
-          subtract_projection(v, W + 6 * k, 6);
+          km_remove_part(W + 6 * k, v, 6);
         for (int k = 0; k < found; ++k)
-          subtract_projection(v, C + 6 * k, 6);
+          km_remove_part(C + 6 * k, v, 6);
       }
-      for (int r = 0; r < 6; ++r)
-        size += v[r] * v[r];
+      double size = km_dot(v, v, 6);
       for (int r = 0; r < 6 && size > 1.0001 * largest; ++r)
         best[r] = v[r] / sqrt(size);
       largest = fmax(largest, size);
@@ -76,21 +67,12 @@ static bool find_complements(reduced_matrix *R, const km_left_null *null, km_are
   return true;
 }
 
-/* Returns the k-th component of a column of the present block in its complement. */
-static double project_on_complement(const reduced_matrix *R, int k, const double entry[6]) {
-  const double *C = R->C + 36 * R->block + 6 * k;
-  double sum = 0.0;
-  for (int r = 0; r < 6; ++r)
-    sum += C[r] * entry[r];
-  return sum;
-}
-
 static void write_column(void *out, int column, const double entry[6]) {
   reduced_matrix *R = out;
   int first = R->first[R->block];
   for (int k = 0; first + k < R->first[R->block + 1]; ++k) {
     int at = R->start[first + k] + R->next;
-    R->entries[at] = project_on_complement(R, k, entry);
+    R->entries[at] = km_dot(R->C + 36 * R->block + 6 * k, entry, 6);
     R->column[at] = column;
   }
   R->next++;

@@ -2,6 +2,7 @@
  * on the span of the left null vectors at a neighbouring configuration. */
 #include "mobility/persistent_redundancy.h"
 #include "base/number/tolerances.h"
+#include "base/number/vectors.h"
 
 #include "linalg/sparse/sparse_qr.h"
 
@@ -65,9 +66,7 @@ static double square_along_single_loops(const comparison *c, const double *v) {
   double along = 0.0;
   for (int i = 0; i < c->a->sub->loop_count; ++i)
     for (int k = c->neighbour->first[i]; k < c->neighbour->first[i + 1]; ++k) {
-      double dot = 0.0;
-      for (int r = 0; r < 6; ++r)
-        dot += c->neighbour->local[6 * k + r] * v[6 * i + r];
+      double dot = km_dot(c->neighbour->local + 6 * k, v + 6 * i, 6);
       along += dot * dot;
     }
   return along;
@@ -87,13 +86,6 @@ static double square_along_spanning(const comparison *c, const double *v) {
   return along;
 }
 
-static double sum_of_squares(const double *v, int count) {
-  double sum = 0.0;
-  for (int r = 0; r < count; ++r)
-    sum += v[r] * v[r];
-  return sum;
-}
-
 /* Classifies the vectors from `first` on: persistent if more than half of their square is in the neighbour's span,
  * since their frame rotates by a few hundredths only. */
 static bool compare_block(const comparison *c, int first, int count, bool *persistent) {
@@ -102,7 +94,7 @@ static bool compare_block(const comparison *c, int first, int count, bool *persi
   for (int k = 0; k < count; ++k) {
     double *v = c->v + (size_t)k * rows;
     expand_vector(c, first + k, v);
-    size[k] = sum_of_squares(v, c->a->rows);
+    size[k] = km_dot(v, v, c->a->rows);
     along[k] = square_along_single_loops(c, v) + (c->neighbour_span ? 0.0 : square_along_spanning(c, v));
   }
   if (c->neighbour_span && !km_sparse_qr_projected_squares(c->neighbour_span, c->v, count, span_squares))

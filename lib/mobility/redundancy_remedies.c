@@ -3,6 +3,7 @@
  *   new freedom h of a joint raises the rank  <=>  |Wᵀ h|² > 1e-10,  W all left null vectors
  *   two new freedoms                           <=>  their Gram matrix (Wᵀ h_i)·(Wᵀ h_j) is regular
  *   strength = |wᵀ h| / (|w| |h|) with the redundant wrench w */
+#include "base/number/vectors.h"
 #include "kinematics/body_poses.h"
 #include "mobility/full_jacobian.h"
 #include "mobility/left_null_space.h"
@@ -19,19 +20,12 @@ static void add_to_gram(projection_gram *out, double x, double y) {
   out->yy += y * y;
 }
 
-static double dot6(const double *a, const double *b) {
-  double sum = 0.0;
-  for (int r = 0; r < 6; ++r)
-    sum += a[r] * b[r];
-  return sum;
-}
-
 /* Adds the products of one loop's parts with the new columns to the sums x, y per vector in `work`. */
 static void add_part_products(const km_left_null *null, int loop, double column[2][6], double sense, double *work) {
   for (int n = null->block_start[loop]; n < null->block_start[loop + 1]; ++n) {
     const km_left_part *part = &null->part[null->block_part[n]];
-    work[2 * part->vector] += sense * dot6(column[0], part->w);
-    work[2 * part->vector + 1] += sense * dot6(column[1], part->w);
+    work[2 * part->vector] += sense * km_dot(column[0], part->w, 6);
+    work[2 * part->vector + 1] += sense * km_dot(column[1], part->w, 6);
   }
 }
 
@@ -55,7 +49,7 @@ static projection_gram compute_projection_gram(const km_left_space *a, const km_
     for (int i = 0; i < count; ++i)
       km_twist_entries(a->sub, h[i], a->about[membership->loop], 1.0, column[i]);
     for (int k = null->first[membership->loop]; k < null->first[membership->loop + 1]; ++k)
-      add_to_gram(&out, s * dot6(column[0], null->local + 6 * k), s * dot6(column[1], null->local + 6 * k));
+      add_to_gram(&out, s * km_dot(column[0], null->local + 6 * k, 6), s * km_dot(column[1], null->local + 6 * k, 6));
     if (null->spanning_count)
       add_part_products(null, membership->loop, column, s, work);
   }
@@ -88,13 +82,9 @@ static bool raises_rank_cached(const km_left_space *a, const km_left_null *null,
 
 /* Returns the strength |wᵀh| / (|w| |h|) of a twist against the redundant wrench w (six entries about `about`). */
 static double relative_power(const km_left_space *a, km_vec3 about, km_twist h, const double *w) {
-  double column[6], power = 0.0, size = 0.0, wrench = 0.0;
+  double column[6];
   km_twist_entries(a->sub, h, about, 1.0, column);
-  for (int r = 0; r < 6; ++r) {
-    power += w[r] * column[r];
-    size += column[r] * column[r];
-    wrench += w[r] * w[r];
-  }
+  double power = km_dot(w, column, 6), size = km_dot(column, column, 6), wrench = km_dot(w, w, 6);
   return size > 0.0 && wrench > 0.0 ? fabs(power) / sqrt(size * wrench) : 0.0;
 }
 

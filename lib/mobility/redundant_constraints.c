@@ -5,6 +5,7 @@
  *   remedies: joint types that remove the redundancy (7.4) */
 #include "base/arguments.h"
 #include "base/number/tolerances.h"
+#include "base/number/vectors.h"
 #include "kinematics/body_poses.h"
 #include "kmech/mechanism.h"
 #include "local/generic_neighbour.h"
@@ -130,13 +131,6 @@ static bool add_single_loop_redundancies(const redundancy_search *f) {
   return true;
 }
 
-static double square(const double w[6]) {
-  double sum = 0.0;
-  for (int r = 0; r < 6; ++r)
-    sum += w[r] * w[r];
-  return sum;
-}
-
 /* Returns the largest loop part of vector n (NULL: only couplings have parts) and the number of loops with a part. */
 static const km_left_part *find_largest_part(const redundancy_search *f, int n, int *loops) {
   const km_left_null *null = &f->null;
@@ -147,7 +141,7 @@ static const km_left_part *find_largest_part(const redundancy_search *f, int n, 
     const km_left_part *part = &null->part[i];
     if (part->block >= f->space.sub->loop_count)
       continue;
-    double size = square(part->w);
+    double size = km_dot(part->w, part->w, 6);
     *loops += size > 1e-10;
     if (size > 1.0000001 * largest) {
       largest = size;

@@ -5,6 +5,7 @@
  * A Z' has the singular values of A Z, and Z' Z'ᵀ D⁻¹ τ = P D⁻¹ τ. All other motions are out of reach and without load;
  * KM_MAX_DIRECTIONS of them are in Z', for the report. Random vectors overlap little in twice as many freedoms. Along
  * null vectors of a chain, each of which overlaps the next, rounding would grow exponentially. */
+#include "base/number/vectors.h"
 #include "base/random.h"
 #include "local/local.h"
 #include "statics/statics.h"
@@ -21,15 +22,13 @@ static void append(km_actuator_workspace *h, double shortest, double *x) {
 
 /* Fills x with the actuators' scaled rows, then D⁻¹ τ as a unit vector. */
 static void fill_rows(const km_mechanism *m, const km_statics *st, const km_actuator_workspace *h, double *x) {
-  double square = 0.0;
   for (int a = 0; a < h->count; ++a, x += h->columns)
     km_actuator_row(m, st, h, h->actuator[a], x);
-  for (int j = 0; j < h->columns; ++j) {
+  for (int j = 0; j < h->columns; ++j)
     x[j] = st->work->tau[h->coordinate[j]] / m->scale[h->coordinate[j]];
-    square += x[j] * x[j];
-  }
-  for (int j = 0; j < h->columns && square > 0.0; ++j)
-    x[j] /= sqrt(square);
+  double length = km_norm(x, h->columns);
+  for (int j = 0; j < h->columns && length > 0.0; ++j)
+    x[j] /= length;
 }
 
 int km_actuator_subspace_size(const km_actuator_workspace *h, const km_state *s, int freedom) {

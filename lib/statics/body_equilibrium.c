@@ -4,6 +4,7 @@
  *   h_k · (r - r₀) = f_k + τ_k along every free motion;   min Σ |force|² + |torque/L|²
  *
  * Coupled motions share an unknown coupling force: only their combinations without one are equations. */
+#include "base/number/vectors.h"
 #include "base/random.h"
 #include "statics/statics.h"
 
@@ -201,13 +202,12 @@ static double given_force(const equilibrium *e, const km_statics_workspace *w, i
 
 /* Adds the equation along an uncoupled motion, normalised. */
 static void add_motion_equation(equation_builder *s, const km_statics_workspace *w, int column) {
-  double entry[6], square = 0.0;
+  double entry[6];
   int j = motion_entries(s->e, w, column, entry);
+  double length = km_norm(entry, 6);
+  s->e->b[s->e->equations] = given_force(s->e, w, column) / length;
   for (int k = 0; k < 6; ++k)
-    square += entry[k] * entry[k];
-  s->e->b[s->e->equations] = given_force(s->e, w, column) / sqrt(square);
-  for (int k = 0; k < 6; ++k)
-    add_entry(s, 6 * j + k, entry[k] / sqrt(square));
+    add_entry(s, 6 * j + k, entry[k] / length);
   close_equation(s);
 }
 
@@ -235,7 +235,7 @@ static void find_uncoupled_combinations(equilibrium *e, const km_state *state) {
 /* Adds the equation along a combination of coupled motions, normalised. */
 static void add_combination_equation(equation_builder *s, const km_statics_workspace *w, const double *share) {
   equilibrium *e = s->e;
-  double given = 0.0, square = 0.0, entry[6];
+  double given = 0.0, entry[6];
   memset(e->row, 0, 6 * (size_t)e->joints * sizeof *e->row);
   for (int i = 0; i < e->coupled_count; ++i) {
     int column = e->coupled_column[i], j = motion_entries(e, w, column, entry);
@@ -243,11 +243,10 @@ static void add_combination_equation(equation_builder *s, const km_statics_works
     for (int k = 0; k < 6; ++k)
       e->row[6 * j + k] += share[i] * entry[k];
   }
+  double length = km_norm(e->row, 6 * e->joints);
+  e->b[e->equations] = given / length;
   for (int i = 0; i < 6 * e->joints; ++i)
-    square += e->row[i] * e->row[i];
-  e->b[e->equations] = given / sqrt(square);
-  for (int i = 0; i < 6 * e->joints; ++i)
-    add_entry(s, i, e->row[i] / sqrt(square));
+    add_entry(s, i, e->row[i] / length);
   close_equation(s);
 }
 

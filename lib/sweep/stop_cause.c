@@ -10,6 +10,7 @@
  * line through their hinges are in line. */
 #include "sweep/stop_cause.h"
 
+#include "base/number/vectors.h"
 #include "base/text.h"
 #include "kinematics/body_poses.h"
 #include "mobility/full_jacobian.h"
@@ -45,7 +46,7 @@ static bool find_self_stress(dead_point *c) {
   size_t rows = (size_t)c->rows, columns = (size_t)c->sub->columns;
   km_twist *twist = KM_ARENA_NEW(&c->arena, km_twist, (size_t)m->coordinate_count);
   double *J = KM_ARENA_NEW(&c->arena, double, rows *columns), *A = KM_ARENA_NEW(&c->arena, double, rows *rows);
-  double largest = 0.0, square = 0.0;
+  double largest = 0.0;
   c->w = KM_ARENA_NEW(&c->arena, double, rows);
   if (c->arena.failed)
     return false;
@@ -72,11 +73,10 @@ static bool find_self_stress(dead_point *c) {
   gsl_vector_view w = gsl_vector_view_array(c->w, rows);
   if (!(largest > 0.0) || gsl_linalg_cholesky_decomp1(&view.matrix) || gsl_linalg_cholesky_svx(&view.matrix, &w.vector))
     return false;
+  double length = km_norm(c->w, c->rows);
   for (size_t r = 0; r < rows; ++r)
-    square += c->w[r] * c->w[r];
-  for (size_t r = 0; r < rows; ++r)
-    c->w[r] /= sqrt(square);
-  return square > 0.0 && isfinite(square);
+    c->w[r] /= length;
+  return length > 0.0 && isfinite(length);
 }
 
 /* Computes the net wrench in every joint of the loops, moments about the joint. */
@@ -175,19 +175,14 @@ static void write_description(const dead_point *c, const int *joint, int count, 
   const km_model *model = c->m->model;
   bool in_line = are_in_line(c, joint, count);
   int links = in_line ? list_links(c, joint, count, link) : 0, loops = 0, position = 0;
-  double largest = 0.0;
-  for (int r = 0; r < 6 * c->sub->loop_count; ++r)
-    largest = fmax(largest, fabs(c->w[r]));
+  double largest = km_max_norm(c->w, 6 * c->sub->loop_count);
   km_text joints = {0}, where = {0};
   for (int i = 0; i < count; ++i)
     add_name(&joints, i, count, model->joints[joint[i]].label);
   for (int pass = 0; pass < 2; ++pass)
     for (int i = 0; i < c->sub->loop_count; ++i) {
-      double largest_entry = 0.0;
       char number[16];
-      for (int r = 0; r < 6; ++r)
-        largest_entry = fmax(largest_entry, fabs(c->w[6 * i + r]));
-      if (!(largest_entry > damping * largest))
+      if (!(km_max_norm(c->w + 6 * i, 6) > damping * largest))
         continue;
       loops += pass == 0;
       snprintf(number, sizeof number, "%d", c->m->topology.loop[c->m->topology.loop_start[c->index] + i] + 1);

@@ -1,4 +1,4 @@
-/* Sums over the entries of a vector, in their order. */
+/* Sums over the entries of a vector, in their order, and projections by them. */
 #ifndef KM_BASE_NUMBER_VECTORS_H
 #define KM_BASE_NUMBER_VECTORS_H
 
@@ -23,6 +23,13 @@ static inline double km_max_norm(const double *a, int count) {
   for (int i = 0; i < count; ++i)
     largest = km_larger_or_nan(fabs(a[i]), largest);
   return largest;
+}
+
+/* v −= (uᵀ v) u: removes the part along a unit vector u. */
+static inline void km_remove_part(const double *u, double *v, int count) {
+  double along = km_dot(u, v, count);
+  for (int i = 0; i < count; ++i)
+    v[i] -= along * u[i];
 }
 
 #endif
