@@ -29,7 +29,7 @@ static inline __attribute__((always_inline)) void apply_motion(const km_mechanis
 }
 
 /* Twist of a body relative to its parent: sum of rate · unit twist over the motions of its tree joint. */
-km_twist km_body_twist(const km_mechanism *m, const km_state *s, int body, const double *rates) {
+static km_twist twist_to_parent(const km_mechanism *m, const km_state *s, int body, const double *rates) {
   const km_arc *arc = &m->arcs[m->arc_of[body]];
   km_joint_traversal p;
   km_joint_traverse(m->model, arc->joint, arc->is_reversed, &p);
@@ -46,6 +46,13 @@ km_twist km_body_twist(const km_mechanism *m, const km_state *s, int body, const
       sum = km_twist_axpy(p.sign * rates[p.coordinate[i] + k], km_motion_twist(p.motion[i], pitch, frame, k), sum);
     X = after;
   }
+  return sum;
+}
+
+km_twist km_body_twist(const km_mechanism *m, const km_state *s, int body, const double *rates) {
+  km_twist sum = {{0, 0, 0}, {0, 0, 0}};
+  for (; body > 0; body = m->topology.parent[body])
+    sum = km_twist_axpy(1.0, twist_to_parent(m, s, body, rates), sum);
   return sum;
 }
 

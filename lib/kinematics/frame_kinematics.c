@@ -86,9 +86,7 @@ km_status km_frame_twist(const km_mechanism *m, const km_state *s, int frame, co
   if (status)
     return status;
   km_vec3 p = frame_pose(m, s, frame).p;
-  km_twist sum = {{0, 0, 0}, {0, 0, 0}};
-  for (int body = m->model->frames[frame].body; body > 0; body = m->topology.parent[body])
-    sum = km_twist_axpy(1.0, km_body_twist(m, s, body, rates), sum);
+  km_twist sum = km_body_twist(m, s, m->model->frames[frame].body, rates);
   sum.v = km_vec3_add(sum.v, km_vec3_cross(sum.w, p));
   const double values[6] = {sum.v.x, sum.v.y, sum.v.z, sum.w.x, sum.w.y, sum.w.z};
   memcpy(twist, values, sizeof values);

@@ -4,6 +4,7 @@
 #include "base/number/tolerances.h"
 
 #include "kinematics/body_poses.h"
+#include "spatial/inertia.h"
 
 /* A free motion: rates and velocities. */
 typedef struct motion {
@@ -11,20 +12,10 @@ typedef struct motion {
   km_vec3 *v, *w, *momentum; /* [body] velocity of the centre of mass, angular velocity, I ω; 0 for massless bodies */
 } motion;
 
-static km_twist body_twist(const km_mechanism *m, const km_state *s, int body, const double *rates) {
-  km_twist t = {{0, 0, 0}, {0, 0, 0}};
-  for (int b = body; b > 0; b = m->topology.parent[b])
-    t = km_twist_axpy(1.0, km_body_twist(m, s, b, rates), t);
-  return t;
-}
-
 /* Returns I ω along the inertial axes. */
 static km_vec3 angular_momentum(const km_model_body *body, const km_rotation *R, km_vec3 w) {
-  const double *I = body->inertia; /* Ixx Iyy Izz Ixy Iyz Izx */
-  km_vec3 x = km_rotate_back(R, w);
-  km_vec3 h = {I[0] * x.x + I[3] * x.y + I[5] * x.z, I[3] * x.x + I[1] * x.y + I[4] * x.z,
-               I[5] * x.x + I[4] * x.y + I[2] * x.z};
-  return km_rotate(R, h);
+  const double *I = body->inertia;
+  return km_rotate(R, km_symmetric_times(&(km_symmetric){I[0], I[1], I[2], I[3], I[4], I[5]}, km_rotate_back(R, w)));
 }
 
 /* Computes the velocities of all bodies for a null vector z of D · range(N). */
@@ -44,8 +35,8 @@ static void compute_motion(const km_mechanism *m, const km_state *s, int index, 
     const km_model_body *body = &m->model->bodies[b];
     if (body->mass == 0.0)
       continue;
-    km_twist t = body_twist(m, s, b, out->rates);
-    out->v[b] = km_vec3_add(t.v, km_vec3_cross(t.w, km_pose_point(&s->pose[b], body->center_of_mass)));
+    km_twist t = km_body_twist(m, s, b, out->rates);
+    out->v[b] = km_point_velocity(t, km_pose_point(&s->pose[b], body->center_of_mass));
     out->w[b] = t.w;
     out->momentum[b] = angular_momentum(body, &s->pose[b].R, t.w);
   }

@@ -64,15 +64,12 @@ km_status km_sweeper_columns(const km_sweeper *r, km_error *error) {
   return added ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the table");
 }
 
-/* Computes the velocity of a frame's origin per unit of s: sum of the twists along the chain to it. */
+/* Computes the velocity of a frame's origin per unit of s. */
 static void point_rates(const km_sweeper *r, int frame, double out[3]) {
   const km_mechanism *m = r->m;
   const km_model_frame *def = &m->model->frames[frame];
-  km_twist t = {{0, 0, 0}, {0, 0, 0}};
-  for (int body = def->body; body > 0; body = m->topology.parent[body])
-    t = km_twist_axpy(1.0, km_body_twist(m, r->s, body, r->rates), t);
   km_vec3 p = km_pose_point(&r->s->pose[def->body], def->pose.p);
-  km_vec3 v = km_vec3_add(t.v, km_vec3_cross(t.w, p));
+  km_vec3 v = km_point_velocity(km_body_twist(m, r->s, def->body, r->rates), p);
   out[0] = v.x;
   out[1] = v.y;
   out[2] = v.z;
