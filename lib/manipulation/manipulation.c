@@ -23,6 +23,7 @@ static bool allocate(km_manipulation *h) {
   km_arena *a = &h->arena;
   h->substructures = KM_ARENA_NEW(a, int, subs);
   h->is_on_path = KM_ARENA_NEW(a, bool, subs);
+  h->tree = KM_ARENA_NEW(a, int, n);
   h->rank = KM_ARENA_NEW(a, int, subs);
   h->has_left_branch_point = KM_ARENA_NEW(a, bool, subs);
   h->column = KM_ARENA_NEW(a, km_vec3, n);
@@ -149,7 +150,8 @@ static void move_driven_joint(km_manipulation *h, int coordinate, double target,
   out->remaining = out->is_reached ? 0.0 : target - km_state_coordinate(h->state, coordinate);
 }
 
-static km_status check(const km_manipulation *h, double most, const km_manipulation_step *out, km_error *error) {
+km_status km_manipulation_check(const km_manipulation *h, double most, const km_manipulation_step *out,
+                                km_error *error) {
   km_status status = km_check_given(h != NULL, "hand", error);
   if (!status)
     status = km_check_given(out != NULL, "place for the result", error);
@@ -160,7 +162,7 @@ static km_status check(const km_manipulation *h, double most, const km_manipulat
 
 km_status km_manipulation_pull_joint(km_manipulation *h, int coordinate, double target, double most,
                                      km_manipulation_step *out, km_error *error) {
-  km_status status = check(h, most, out, error);
+  km_status status = km_manipulation_check(h, most, out, error);
   if (!status)
     status = km_check_index(coordinate, h->mechanism->coordinate_count, "coordinate", error);
   if (!status && !isfinite(target))

@@ -14,6 +14,7 @@ struct km_manipulation {
   /* Data of manipulated points. */
   int *substructures, substructure_count_on_path; /* substructures on the path from the inertial frame to the body */
   bool *is_on_path;                               /* [substructure] */
+  int *tree, tree_count;                          /* free coordinates of that path outside loops */
   int *rank;                                      /* [substructure] regular rank: a lower one is singular */
   bool *has_left_branch_point;                    /* [substructure] the branch point at its start was left */
   km_vec3 *column;                                /* [coordinate] velocity of the point over L, per unit of D q̇ */
@@ -26,6 +27,9 @@ struct km_manipulation {
   km_quaternion *saved_ball;
 };
 
+/* Checks the arguments of a pull: KM_USAGE. */
+km_status km_manipulation_check(const km_manipulation *manipulation, double most, const km_manipulation_step *out,
+                                km_error *error);
 /* Save and restore all coordinates. */
 void km_manipulation_save(km_manipulation *manipulation);
 void km_manipulation_restore(km_manipulation *manipulation);

@@ -43,25 +43,28 @@ static double update_remaining(point_motion *p) {
   return km_vec3_norm(e);
 }
 
-/* Finds the substructures that carry the body, and the point's velocity for each coordinate. */
+/* Finds the substructures and the coordinates outside them that carry the body, and the point's velocity for each
+ * coordinate. */
 static void find_path(point_motion *p) {
   km_manipulation *h = p->h;
   const km_mechanism *m = h->mechanism;
   km_vec3 at = point_position(p), normal = km_vec3_from_array(p->target_point->normal);
   memset(h->column, 0, (size_t)m->coordinate_count * sizeof *h->column);
   memset(h->is_on_path, 0, (size_t)m->topology.substructure_count * sizeof *h->is_on_path);
-  h->substructure_count_on_path = 0;
+  h->substructure_count_on_path = h->tree_count = 0;
   for (int body = p->target_point->body; body > 0; body = m->topology.parent[body]) {
     int joint = m->topology.arc[body], first = m->model->joints[joint].first_coordinate;
     for (int c = first; c < first + km_model_freedom(m->model, joint); ++c) {
       if (m->held[c])
         continue;
       km_twist t = km_coordinate_twist(m, h->state, c);
-      km_vec3 v = km_vec3_add(t.v, km_vec3_cross(t.w, at));
+      km_vec3 v = km_point_velocity(t, at);
       v = km_vec3_axpy(-km_vec3_dot(v, normal), normal, v);
       h->column[c] = km_vec3_scale((m->topology.is_reversed[joint] ? -1.0 : 1.0) / (p->length * m->scale[c]), v);
       int index = m->substructure_of[c];
-      if (index >= 0 && !h->is_on_path[index]) {
+      if (index < 0)
+        h->tree[h->tree_count++] = c;
+      else if (!h->is_on_path[index]) {
         h->is_on_path[index] = true;
         h->substructures[h->substructure_count_on_path++] = index;
       }
@@ -72,14 +75,6 @@ static void find_path(point_motion *p) {
 /* Appends a column to A. */
 static void add_column(point_motion *p, km_vec3 v) {
   memcpy(p->h->A + 3 * (size_t)p->freedoms++, (const double[]){v.x, v.y, v.z}, 3 * sizeof *p->h->A);
-}
-
-static bool is_free_tree(const km_manipulation *h, int body, int *first, int *end) {
-  const km_mechanism *m = h->mechanism;
-  int joint = m->topology.arc[body];
-  *first = m->model->joints[joint].first_coordinate;
-  *end = *first + km_model_freedom(m->model, joint);
-  return *end > *first && m->substructure_of[*first] < 0;
 }
 
 /* Appends the columns of a substructure's basis to A. Coordinates at active limits are locked in it. */
@@ -117,14 +112,12 @@ static double find_step(point_motion *p) {
   km_manipulation *h = p->h;
   const km_mechanism *m = h->mechanism;
   double square = 0.0;
-  int first, end, k = 0;
+  int k = 0;
   p->freedoms = 0;
   for (int i = 0; i < h->substructure_count_on_path; ++i)
     add_substructure_columns(p, h->substructures[i]);
-  for (int body = p->target_point->body; body > 0; body = m->topology.parent[body])
-    for (bool tree = is_free_tree(h, body, &first, &end); tree && first < end; ++first)
-      if (!m->held[first])
-        add_column(p, h->blocked[first] ? (km_vec3){0, 0, 0} : h->column[first]);
+  for (int i = 0; i < h->tree_count; ++i)
+    add_column(p, h->blocked[h->tree[i]] ? (km_vec3){0, 0, 0} : h->column[h->tree[i]]);
   km_vec3 x = solve_damped(p);
   memset(h->z, 0, (size_t)m->coordinate_count * sizeof *h->z);
   for (int i = 0; i < p->freedoms; ++i) {
@@ -139,10 +132,8 @@ static double find_step(point_motion *p) {
       for (int c = 0; c < sub->columns; ++c)
         h->z[coordinate[c]] += h->w[k] * Z[c];
   }
-  for (int body = p->target_point->body; body > 0; body = m->topology.parent[body])
-    for (bool tree = is_free_tree(h, body, &first, &end); tree && first < end; ++first)
-      if (!m->held[first])
-        h->z[first] = h->w[k++];
+  for (int i = 0; i < h->tree_count; ++i)
+    h->z[h->tree[i]] = h->w[k++];
   return sqrt(square);
 }
 
@@ -244,21 +235,17 @@ static bool move_substructures(km_manipulation *h, double part) {
   return true;
 }
 
-static void move_tree_joints(const point_motion *p, double part) {
-  km_manipulation *h = p->h;
+static void move_tree_joints(km_manipulation *h, double part) {
   const km_mechanism *m = h->mechanism;
-  int first, end;
-  for (int body = p->target_point->body; body > 0; body = m->topology.parent[body])
-    for (bool tree = is_free_tree(h, body, &first, &end); tree && first < end; ++first) {
-      if (m->held[first])
-        continue;
-      if (m->ball_of[first] < 0) {
-        h->state->q[first] += part * h->z[first] / m->scale[first];
-        continue;
-      }
-      km_state_rotate_ball(m, h->state, m->ball_of[first], km_vec3_scale(part, km_vec3_from_array(&h->z[first])));
-      first += 2;
+  for (int i = 0; i < h->tree_count; ++i) {
+    int c = h->tree[i];
+    if (m->ball_of[c] < 0) {
+      h->state->q[c] += part * h->z[c] / m->scale[c];
+      continue;
     }
+    km_state_rotate_ball(m, h->state, m->ball_of[c], km_vec3_scale(part, km_vec3_from_array(&h->z[c])));
+    i += 2;
+  }
 }
 
 /* Updates pivots, null spaces and Jacobians for the present configuration. */
@@ -325,7 +312,7 @@ static double step(point_motion *p, double most) {
   for (int i = 0; i < MAX_HALVINGS && part * length > km_relative_zero; ++i, part *= 0.5) {
     bool closed = move_substructures(h, part);
     if (closed) {
-      move_tree_joints(p, part);
+      move_tree_joints(h, part);
       km_poses_compute(h->mechanism, h->state);
     }
     if (closed && !exceeds_limits(h) && update_remaining(p) < has_left_branch_point)
@@ -338,15 +325,11 @@ static double step(point_motion *p, double most) {
 
 static km_status check(const km_manipulation *h, const km_manipulation_point *target_point, double most,
                        const km_manipulation_step *out, km_error *error) {
-  km_status status = km_check_given(h != NULL, "hand", error);
+  km_status status = km_manipulation_check(h, most, out, error);
   if (!status)
     status = km_check_given(target_point != NULL, "grip", error);
   if (!status)
-    status = km_check_given(out != NULL, "place for the result", error);
-  if (!status)
     status = km_check_index(target_point->body, h->mechanism->model->body_count, "body", error);
-  if (!status && !(most > 0.0))
-    return km_fail(error, KM_USAGE, "found a way of %g; expected more than 0", most);
   for (int k = 0; k < 3 && !status; ++k)
     if (!isfinite(target_point->point[k]) || !isfinite(target_point->target[k]) || !isfinite(target_point->normal[k]))
       status = km_fail(error, KM_USAGE, "found a number that is not finite in a grip");
