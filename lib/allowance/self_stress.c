@@ -186,11 +186,11 @@ static km_vec3 child_origin(const km_left_space *a, int joint) {
 static km_wrench joint_wrench(const basis *b, int joint, int column) {
   const km_left_space *a = &b->space;
   km_wrench sum = {{0, 0, 0}, {0, 0, 0}};
-  for (int i = a->joint_loop_start[joint]; i < a->joint_loop_start[joint + 1]; ++i) {
-    const km_joint_in_loop *in = &a->joint_loop[i];
+  const km_topology *t = &a->m->topology;
+  for (int i = t->joint_loop_start[joint]; i < t->joint_loop_start[joint + 1]; ++i) {
+    const km_joint_loop *in = &t->joint_loop[i];
     km_wrench w = loop_wrench(b, in->loop, column);
-    sum = km_wrench_axpy(km_member_sign(&a->m->topology.member[in->member]), km_wrench_at(w.f, w.t, a->about[in->loop]),
-                         sum);
+    sum = km_wrench_axpy(in->sign, km_wrench_at(w.f, w.t, a->about[in->loop]), sum);
   }
   return sum;
 }

@@ -5,25 +5,9 @@
 
 #include <string.h>
 
-static void write_loop_rows(const km_mechanism *m, const km_substructure *sub, int loop, const km_twist *twist,
-                            km_vec3 about, int rows, double *J) {
-  const km_topology *t = &m->topology;
-  for (int i = t->member_start[loop]; i < t->member_start[loop + 1]; ++i) {
-    const km_member *member = &t->member[i];
-    int entries = m->model->joints[member->joint].first_coordinate;
-    for (int c = entries; c < entries + km_model_freedom(m->model, member->joint); ++c) {
-      if (m->column_of[c] < 0)
-        continue;
-      double column[6], sign = km_member_sign(member);
-      km_twist_entries(sub, twist[c], about, m->unit[c], column);
-      for (int r = 0; r < 6; ++r)
-        J[(size_t)m->column_of[c] * (size_t)rows + (size_t)r] = sign * column[r];
-    }
-  }
-}
-
-void km_coupling_entries(const km_mechanism *m, const km_state *s, const km_substructure *sub, double *entries,
-                         size_t row_stride, size_t column_stride) {
+/* Writes the couplings' entries: coupling i and a column at entries[i · row_stride + column · column_stride]. */
+static void write_couplings(const km_mechanism *m, const km_state *s, const km_substructure *sub, double *entries,
+                            size_t row_stride, size_t column_stride) {
   for (int i = 0; i < sub->coupling_count; ++i) {
     const km_coupling *coupling = &m->couplings[sub->coupling_start + i];
     for (int k = 0; k < coupling->term_count; ++k) {
@@ -34,13 +18,22 @@ void km_coupling_entries(const km_mechanism *m, const km_state *s, const km_subs
   }
 }
 
+/* The columns of a joint are written into the rows of every loop through it. */
 void km_full_jacobian(const km_mechanism *m, const km_state *s, int index, const km_twist *twist, km_vec3 about,
-                      double *J) {
+                      size_t row_stride, size_t column_stride, double *J) {
   const km_topology *t = &m->topology;
   const km_substructure *sub = &m->substructures[index];
-  int rows = 6 * sub->loop_count + sub->coupling_count;
-  memset(J, 0, (size_t)rows * (size_t)sub->columns * sizeof *J);
-  for (int i = 0; i < sub->loop_count; ++i)
-    write_loop_rows(m, sub, t->loop[t->loop_start[index] + i], twist, about, rows, J + 6 * i);
-  km_coupling_entries(m, s, sub, J + 6 * sub->loop_count, 1, (size_t)rows);
+  size_t loop_rows = 6 * (size_t)sub->loop_count;
+  memset(J, 0, (loop_rows + (size_t)sub->coupling_count) * (size_t)sub->columns * sizeof *J);
+  for (int k = 0; k < sub->columns; ++k) {
+    int c = m->column_coordinate[sub->column_start + k], joint = m->model->coordinates[c].joint;
+    double entry[6];
+    km_twist_entries(sub, twist[c], about, m->unit[c], entry);
+    for (int i = t->joint_loop_start[joint]; i < t->joint_loop_start[joint + 1]; ++i) {
+      double *to = J + 6 * (size_t)t->joint_loop[i].loop * row_stride + (size_t)k * column_stride;
+      for (size_t r = 0; r < 6; ++r)
+        to[r * row_stride] = t->joint_loop[i].sign * entry[r];
+    }
+  }
+  write_couplings(m, s, sub, J + loop_rows * row_stride, row_stride, column_stride);
 }

@@ -18,12 +18,10 @@ static inline void km_twist_entries(const km_substructure *sub, km_twist twist, 
   out[5] = twist.w.z;
 }
 
-/* Computes J[rows × columns]: six rows per loop in the order of the substructure's loops (inertial axes, moments
- * about `about`), then the couplings; rows = 6 · loops + couplings. twist[coordinate] of every coordinate. */
+/* Computes J: six rows per loop in the order of the substructure's loops (inertial axes, moments about `about`), then
+ * the couplings; rows = 6 · loops + couplings. The entry of a row and a column is J[row · row_stride + column ·
+ * column_stride]. twist[coordinate] of every coordinate. */
 void km_full_jacobian(const km_mechanism *mechanism, const km_state *state, int substructure, const km_twist *twist,
-                      km_vec3 about, double *J);
-/* Writes the couplings' entries: coupling i and a column at entries[i · row_stride + column · column_stride]. */
-void km_coupling_entries(const km_mechanism *mechanism, const km_state *state, const km_substructure *sub,
-                         double *entries, size_t row_stride, size_t column_stride);
+                      km_vec3 about, size_t row_stride, size_t column_stride, double *J);
 
 #endif

@@ -8,30 +8,6 @@
 
 #include <string.h>
 
-/* Lists the loops of every joint. False without memory. */
-static bool find_joint_loops(km_left_space *a, km_arena *arena) {
-  const km_topology *t = &a->m->topology;
-  const int *loops = t->loop + t->loop_start[a->index];
-  size_t joints = (size_t)a->m->model->joint_count, members = 0;
-  for (int i = 0; i < a->sub->loop_count; ++i)
-    members += (size_t)(t->member_start[loops[i] + 1] - t->member_start[loops[i]]);
-  int *first = KM_ARENA_NEW(arena, int, joints + 2);
-  a->joint_loop = KM_ARENA_NEW(arena, km_joint_in_loop, members);
-  a->joint_loop_start = first;
-  if (arena->failed)
-    return false;
-  for (int i = 0; i < a->sub->loop_count; ++i)
-    for (int k = t->member_start[loops[i]]; k < t->member_start[loops[i] + 1]; ++k)
-      first[t->member[k].joint + 2]++;
-  for (size_t j = 0; j < joints; ++j)
-    first[j + 2] += first[j + 1];
-  /* first[j + 1] is the position of joint j's next loop while they are sorted, and its end afterwards. */
-  for (int i = 0; i < a->sub->loop_count; ++i)
-    for (int k = t->member_start[loops[i]]; k < t->member_start[loops[i] + 1]; ++k)
-      a->joint_loop[first[t->member[k].joint + 1]++] = (km_joint_in_loop){i, k};
-  return true;
-}
-
 bool km_left_space_create(const km_mechanism *m, km_state *s, int index, km_arena *arena, km_left_space *out) {
   const km_substructure *sub = &m->substructures[index];
   const km_topology *t = &m->topology;
@@ -46,7 +22,7 @@ bool km_left_space_create(const km_mechanism *m, km_state *s, int index, km_aren
   out->swap_result = KM_ARENA_NEW(arena, signed char, 4 * (size_t)m->model->joint_count);
   for (int i = 0; i < sub->loop_count && out->about; ++i)
     out->about[i] = km_joint_pose(m, s, t->chord[t->loop[t->loop_start[index] + i]]).p;
-  return find_joint_loops(out, arena);
+  return !arena->failed;
 }
 
 void km_left_for_each_column(const km_left_space *a, int block, km_left_column_visitor visit, void *out) {

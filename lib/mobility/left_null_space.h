@@ -6,12 +6,6 @@
 #include "kinematics/state.h"
 #include "kmech/mobility.h"
 
-/* A joint's membership in a loop. */
-typedef struct km_joint_in_loop {
-  int loop;   /* index in the substructure */
-  int member; /* index in the topology's members */
-} km_joint_in_loop;
-
 /* The six-row Jacobian J_6 of a substructure: six rows per loop about its own point, lengths over the substructure's
  * size, then the couplings. A block is a loop's six rows or a coupling's row. */
 typedef struct km_left_space {
@@ -20,8 +14,6 @@ typedef struct km_left_space {
   int index, rows;
   const km_substructure *sub;
   double tolerance;
-  int *joint_loop_start; /* [joint + 1] into joint_loop: the loops of each joint */
-  km_joint_in_loop *joint_loop;
   km_vec3 *about; /* [loop of the substructure] reference point */
   /* [4 · joint] results of redundancy_remedies.c for the swaps of a joint: 1 raises the rank, -1 does not, 0 unknown */
   signed char *swap_result;

@@ -157,7 +157,7 @@ static bool find_by_singular_values(const km_mechanism *m, km_state *s, int inde
     a.twist[c] = km_coordinate_twist(m, s, c);
   }
   find_nearest_point(&a);
-  km_full_jacobian(m, s, index, a.twist, a.about, J);
+  km_full_jacobian(m, s, index, a.twist, a.about, 1, (size_t)rows, J);
   rescale_lengths(&a, rows, J);
   apply_inverse_cholesky(m, index, rows, arena, J);
   if (arena->failed)

@@ -43,18 +43,18 @@ static projection_gram compute_projection_gram(const km_left_space *a, const km_
   const km_topology *t = &a->m->topology;
   double column[2][6] = {{0}};
   projection_gram out = {0};
-  for (int n = a->joint_loop_start[joint]; n < a->joint_loop_start[joint + 1]; ++n) {
-    const km_joint_in_loop *membership = &a->joint_loop[n];
-    double s = km_member_sign(&t->member[membership->member]);
+  for (int n = t->joint_loop_start[joint]; n < t->joint_loop_start[joint + 1]; ++n) {
+    const int loop = t->joint_loop[n].loop;
+    const double s = t->joint_loop[n].sign;
     for (int i = 0; i < count; ++i)
-      km_twist_entries(a->sub, h[i], a->about[membership->loop], 1.0, column[i]);
-    for (int k = null->first[membership->loop]; k < null->first[membership->loop + 1]; ++k)
+      km_twist_entries(a->sub, h[i], a->about[loop], 1.0, column[i]);
+    for (int k = null->first[loop]; k < null->first[loop + 1]; ++k)
       add_to_gram(&out, s * km_dot(column[0], null->local + 6 * k, 6), s * km_dot(column[1], null->local + 6 * k, 6));
     if (null->spanning_count)
-      add_part_products(null, membership->loop, column, s, work);
+      add_part_products(null, loop, column, s, work);
   }
-  for (int n = a->joint_loop_start[joint]; n < a->joint_loop_start[joint + 1] && null->spanning_count; ++n)
-    collect_sums(null, a->joint_loop[n].loop, work, &out);
+  for (int n = t->joint_loop_start[joint]; n < t->joint_loop_start[joint + 1] && null->spanning_count; ++n)
+    collect_sums(null, t->joint_loop[n].loop, work, &out);
   return out;
 }
 

@@ -98,7 +98,7 @@ void km_loop_gaps_compute(km_loop_gaps *g, double *e, double *J) {
     int c = m->column_coordinate[sub->column_start + k];
     g->twist[c] = km_coordinate_twist(m, g->s, c);
   }
-  km_full_jacobian(m, g->s, g->index, g->twist, g->about, J);
+  km_full_jacobian(m, g->s, g->index, g->twist, g->about, 1, (size_t)g->rows, J);
   for (int i = 0; i < sub->loop_count; ++i)
     loop_gap(g, i, e + 6 * i);
   if (sub->coupling_count > 0) {

@@ -67,7 +67,8 @@ static void whiten_coefficients(const km_reaction_workspace *c, int degree, km_p
 static void compute_in_joint(const km_reaction_workspace *c, const km_rotation *R, int j, const km_pair *chords,
                              km_pair *parts) {
   pair3 f = {{0}, {0}, {0}}, t = f;
-  for (int i = c->first[j]; i < c->first[j + 1]; ++i) {
+  int joint = c->joint[j];
+  for (int i = c->first[joint]; i < c->first[joint + 1]; ++i) {
     const km_pair *chord = chords + 6 * c->joint_loops[i].loop;
     km_pair sign = {c->joint_loops[i].sign, c->joint_loops[i].sign};
     f = add(sign, chord, f);

@@ -11,7 +11,8 @@
 /* Returns the wrench of the chords' μ in a joint, along the inertial axes about its reaction's point. */
 static km_wrench wrench_in_joint(const km_reaction_workspace *c, int j, const double *mu) {
   km_wrench sum = {{0, 0, 0}, {0, 0, 0}};
-  for (int i = c->first[j]; i < c->first[j + 1]; ++i) {
+  int joint = c->joint[j];
+  for (int i = c->first[joint]; i < c->first[joint + 1]; ++i) {
     const double *chord = mu + 6 * c->joint_loops[i].loop, sign = c->joint_loops[i].sign;
     sum.f = km_vec3_axpy(sign, km_vec3_from_array(chord), sum.f);
     sum.t = km_vec3_axpy(sign, km_vec3_from_array(chord + 3), sum.t);
@@ -30,8 +31,9 @@ static void compute_arm_moments(km_reaction_workspace *c) {
   memset(c->moments, 0, (size_t)c->loops * (size_t)c->loops * sizeof *c->moments);
   for (int j = 0; j < c->joints; ++j) {
     km_vec3 d = c->arm[j], squares = {d.x * d.x, d.y * d.y, d.z * d.z}, products = {d.y * d.z, d.z * d.x, d.x * d.y};
-    for (int a = c->first[j]; a < c->first[j + 1]; ++a)
-      for (int b = c->first[j]; b <= a; ++b) {
+    int joint = c->joint[j];
+    for (int a = c->first[joint]; a < c->first[joint + 1]; ++a)
+      for (int b = c->first[joint]; b <= a; ++b) {
         km_arm_moments *sum = &c->moments[c->joint_loops[a].loop * c->loops + c->joint_loops[b].loop];
         double sign = c->joint_loops[a].sign * c->joint_loops[b].sign;
         sum->count += sign;
@@ -75,11 +77,12 @@ static void fill_gradient(km_reaction_workspace *c, const km_wrench *carried, do
   double inverse = 1.0 / c->size, rotation = 1.0 / (length * length);
   memset(c->gradient, 0, (size_t)c->rows * sizeof *c->gradient);
   for (int j = 0; j < c->joints; ++j) {
-    const km_wrench *w = &carried[c->joint[j]];
+    int joint = c->joint[j];
+    const km_wrench *w = &carried[joint];
     km_vec3 t = km_vec3_scale(rotation, w->t),
             f = km_vec3_scale(inverse, km_vec3_add(w->f, km_vec3_cross(c->arm[j], t)));
     const double slope[6] = {f.x, f.y, f.z, t.x, t.y, t.z};
-    for (int i = c->first[j]; i < c->first[j + 1]; ++i)
+    for (int i = c->first[joint]; i < c->first[joint + 1]; ++i)
       for (int k = 0; k < 6; ++k)
         c->gradient[6 * c->joint_loops[i].loop + k] += c->joint_loops[i].sign * slope[k];
   }

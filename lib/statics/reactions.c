@@ -11,28 +11,6 @@
 /* Most rows for dense matrices, which are faster for small substructures. */
 enum { MOST_DENSE_ROWS = 120 };
 
-/* Lists the loops through each joint. */
-static void list_joint_loops(const km_mechanism *m, const km_statics_workspace *w, int index, km_arena *arena,
-                             km_reaction_workspace *c) {
-  const km_topology *t = &m->topology;
-  int start = t->loop_start[index], end = t->loop_start[index + 1], count = 0;
-  c->first = KM_ARENA_NEW(arena, int, (size_t)c->joints + 2);
-  for (int i = start; i < end; ++i)
-    count += t->member_start[t->loop[i] + 1] - t->member_start[t->loop[i]];
-  c->joint_loops = KM_ARENA_NEW(arena, km_joint_loop, (size_t)count);
-  if (arena->failed)
-    return;
-  for (int i = start; i < end; ++i)
-    for (int n = t->member_start[t->loop[i]]; n < t->member_start[t->loop[i] + 1]; ++n)
-      c->first[w->joint_index[t->member[n].joint] + 2]++;
-  for (int j = 0; j < c->joints; ++j)
-    c->first[j + 2] += c->first[j + 1];
-  for (int i = start; i < end; ++i)
-    for (int n = t->member_start[t->loop[i]]; n < t->member_start[t->loop[i] + 1]; ++n)
-      c->joint_loops[c->first[w->joint_index[t->member[n].joint] + 1]++] =
-          (km_joint_loop){i - start, km_member_sign(&t->member[n])};
-}
-
 static void reserve_dense(km_reaction_workspace *c, km_arena *arena) {
   size_t rows = (size_t)c->rows, columns = (size_t)c->columns;
   c->arm = KM_ARENA_NEW(arena, km_vec3, (size_t)c->joints);
@@ -74,7 +52,8 @@ static km_status reserve_one(const km_mechanism *m, km_statics_workspace *w, int
     w->joint_index[c->joint[j]] = j;
   if (c->rows > MOST_DENSE_ROWS)
     return km_reaction_workspace_make_large(m, w, index, error);
-  list_joint_loops(m, w, index, &w->arena, c);
+  c->first = t->joint_loop_start;
+  c->joint_loops = t->joint_loop;
   reserve_dense(c, &w->arena);
   return KM_OK;
 }
@@ -124,29 +103,6 @@ static double rank_tolerance(const km_mechanism *m, const km_state *s, int index
   return km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst));
 }
 
-/* Fills Jᵀ with all six rows of every loop, as km_full_jacobian; each joint's columns are written for every loop
- * through it. */
-static void fill_transposed(const km_mechanism *m, const km_state *s, const km_substructure *sub, km_vec3 about,
-                            const km_twist *twist, km_reaction_workspace *c) {
-  size_t columns = (size_t)c->columns;
-  memset(c->T, 0, columns * (size_t)c->rows * sizeof *c->T);
-  for (int j = 0; j < c->joints; ++j) {
-    int first = m->model->joints[c->joint[j]].first_coordinate;
-    for (int q = first; q < first + km_model_freedom(m->model, c->joint[j]); ++q) {
-      if (m->column_of[q] < 0)
-        continue;
-      double entry[6];
-      km_twist_entries(sub, twist[q], about, m->unit[q], entry);
-      for (int i = c->first[j]; i < c->first[j + 1]; ++i) {
-        double *to = c->T + 6 * (size_t)c->joint_loops[i].loop * columns + (size_t)m->column_of[q];
-        for (size_t r = 0; r < 6; ++r)
-          to[r * columns] = c->joint_loops[i].sign * entry[r];
-      }
-    }
-  }
-  km_coupling_entries(m, s, sub, c->T + 6 * (size_t)c->loops * columns, columns, 1);
-}
-
 /* Removes the zero rows of J from Jᵀ, such as those normal to a plane: each is a self-stress by itself. */
 static void remove_zero_rows(km_reaction_workspace *c) {
   int columns = c->columns, zero_row = c->rows;
@@ -171,7 +127,7 @@ static void remove_zero_rows(km_reaction_workspace *c) {
 static void solve_chords(const km_mechanism *m, const km_state *s, int index, km_vec3 about, km_statics_workspace *w) {
   const km_substructure *sub = &m->substructures[index];
   km_reaction_workspace *c = &w->reactions_of[index];
-  fill_transposed(m, s, sub, about, w->twist, c);
+  km_full_jacobian(m, s, index, w->twist, about, (size_t)c->columns, 1, c->T);
   remove_zero_rows(c);
   for (int k = 0; k < c->columns; ++k) { /* τ includes the force of a spring in the joint */
     int coordinate = m->column_coordinate[sub->column_start + k];

@@ -40,12 +40,6 @@ typedef struct km_actuator_workspace {
 /* Relative to all applied forces: smaller generalised forces are 0. */
 static const double km_load_rounding = 1e-10;
 
-/* A loop through a joint, and the sign of its chord's wrench there. */
-typedef struct km_joint_loop {
-  int loop; /* index in the substructure */
-  double sign;
-} km_joint_loop;
-
 /* Sums over the joints that two loops share, weighted by the product of their signs: of 1, of the joint's arm d, and
  * of d dᵀ (xx yy zz, yz zx xy). */
 typedef struct km_arm_moments {
@@ -68,9 +62,9 @@ typedef struct km_reaction_workspace {
   bool *indeterminate_out; /* [6 · joints] large substructures: indeterminate components */
   double *reported;        /* [6 · joints] large substructures: reactions along the reporting axes */
   /* Small substructures: */
-  int *first;                 /* [joints + 1] into joint_loops */
-  km_joint_loop *joint_loops; /* loops through each joint */
-  km_vec3 *arm;               /* [joints] from the chords' reference point to the reaction's point */
+  const int *first;                 /* [joint of the model + 1] into joint_loops */
+  const km_joint_loop *joint_loops; /* loops through each joint, and the sign of the chord's wrench there */
+  km_vec3 *arm;                     /* [joints] from the chords' reference point to the reaction's point */
   double *T;        /* [columns × nonzero_row_count] Jᵀ of all six rows of every loop, without zero rows of J */
   int *nonzero_row; /* [rows] rows of J in T, then the zero rows */
   int nonzero_row_count;

@@ -54,7 +54,7 @@ static bool find_self_stress(dead_point *c) {
     int q = m->column_coordinate[c->sub->column_start + (int)k];
     twist[q] = km_coordinate_twist(m, c->s, q);
   }
-  km_full_jacobian(m, c->s, c->index, twist, c->about, J);
+  km_full_jacobian(m, c->s, c->index, twist, c->about, 1, rows, J);
   for (size_t k = 0; k < columns; ++k) {
     const double *column = J + k * rows;
     if (m->column_coordinate[c->sub->column_start + (int)k] == c->driver) {
@@ -83,14 +83,13 @@ static bool find_self_stress(dead_point *c) {
 static bool find_joint_wrenches(dead_point *c) {
   const km_topology *t = &c->m->topology;
   c->joint = KM_ARENA_NEW(&c->arena, joint_wrench, (size_t)c->m->model->joint_count);
-  for (int i = 0; c->joint && i < c->sub->loop_count; ++i) {
-    int loop = t->loop[t->loop_start[c->index] + i];
-    km_vec3 force = km_vec3_from_array(c->w + 6 * i), moment = km_vec3_from_array(c->w + 6 * i + 3);
-    for (int k = t->member_start[loop]; k < t->member_start[loop + 1]; ++k) {
-      joint_wrench *n = &c->joint[t->member[k].joint];
-      double sign = km_member_sign(&t->member[k]);
-      n->position = km_joint_pose(c->m, c->s, t->member[k].joint).p;
-      km_vec3 arm = km_vec3_scale(1.0 / c->sub->size, km_vec3_axpy(-1.0, n->position, c->about));
+  for (int k = t->joint_start[c->index]; c->joint && k < t->joint_start[c->index + 1]; ++k) {
+    joint_wrench *n = &c->joint[t->joint[k]];
+    n->position = km_joint_pose(c->m, c->s, t->joint[k]).p;
+    km_vec3 arm = km_vec3_scale(1.0 / c->sub->size, km_vec3_axpy(-1.0, n->position, c->about));
+    for (int i = t->joint_loop_start[t->joint[k]]; i < t->joint_loop_start[t->joint[k] + 1]; ++i) {
+      const double *w = c->w + 6 * t->joint_loop[i].loop, sign = t->joint_loop[i].sign;
+      km_vec3 force = km_vec3_from_array(w), moment = km_vec3_from_array(w + 3);
       n->force = km_vec3_axpy(sign, force, n->force);
       n->moment = km_vec3_axpy(sign, km_vec3_add(moment, km_vec3_cross(arm, force)), n->moment);
     }

@@ -185,6 +185,26 @@ static void group_bodies(km_topology *t, int *class_of) {
     t->body[i] = t->order[t->body[i]];
 }
 
+/* Lists the loops through each joint. False when out of memory. */
+static bool list_joint_loops(km_topology *t, km_arena *arena) {
+  int members = t->member_start[t->loop_count], *start = KM_ARENA_NEW(arena, int, (size_t)t->joint_count + 2);
+  t->joint_loop = KM_ARENA_NEW(arena, km_joint_loop, (size_t)members);
+  t->joint_loop_start = start;
+  if (arena->failed)
+    return false;
+  for (int i = 0; i < members; ++i)
+    start[t->member[i].joint + 2]++;
+  for (int j = 0; j < t->joint_count; ++j)
+    start[j + 2] += start[j + 1];
+  /* start[j + 1] is the position of joint j's next loop while they are sorted, and its end afterwards. */
+  for (int s = 0; s < t->substructure_count; ++s)
+    for (int i = t->loop_start[s]; i < t->loop_start[s + 1]; ++i)
+      for (int n = t->member_start[t->loop[i]]; n < t->member_start[t->loop[i] + 1]; ++n)
+        t->joint_loop[start[t->member[n].joint + 1]++] =
+            (km_joint_loop){i - t->loop_start[s], km_member_sign(&t->member[n])};
+  return true;
+}
+
 static bool allocate_arrays(const km_graph *g, km_arena *arena, km_topology *t) {
   size_t bodies = (size_t)g->body_count, joints = (size_t)g->joint_count;
   t->body_count = g->body_count;
@@ -208,7 +228,7 @@ static bool allocate_arrays(const km_graph *g, km_arena *arena, km_topology *t) 
   return !arena->failed;
 }
 
-/* Tree, chords, fundamental cycles, substructures, short cycles. */
+/* Tree, chords, fundamental cycles, substructures, short cycles, loops through each joint. */
 static bool build(const km_graph *g, km_arena *arena, km_arena *scratch, km_topology *t) {
   km_incidence incidence = {KM_ARENA_NEW(scratch, int, (size_t)g->body_count + 2),
                             KM_ARENA_NEW(scratch, int, 2 * (size_t)g->joint_count)};
@@ -232,7 +252,7 @@ static bool build(const km_graph *g, km_arena *arena, km_arena *scratch, km_topo
   number_substructures(t, set, is_in_substructure);
   group_joints_and_loops(t);
   group_bodies(t, class_of);
-  return km_find_short_loops(g, &incidence, scratch, t);
+  return km_find_short_loops(g, &incidence, scratch, t) && list_joint_loops(t, arena);
 }
 
 km_status km_topology_build(const km_graph *graph, km_arena *arena, km_topology *outward, km_error *error) {

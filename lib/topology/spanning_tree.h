@@ -38,6 +38,12 @@ static inline double km_member_sign(const km_member *member) {
   return member->side * (member->is_reversed ? -1.0 : 1.0);
 }
 
+/* A loop through a joint. */
+typedef struct km_joint_loop {
+  int loop;    /* index in its substructure */
+  double sign; /* km_member_sign of the joint in it */
+} km_joint_loop;
+
 typedef struct km_topology {
   int body_count, joint_count, loop_count, substructure_count;
   int *order;                 /* [body] bodies in level order; order[0] = 0 */
@@ -55,6 +61,8 @@ typedef struct km_topology {
   int *joint;
   int *loop_start; /* [substructure + 1] into `loop` */
   int *loop;
+  int *joint_loop_start; /* [joint + 1] into `joint_loop`: the loops through each joint, ascending */
+  km_joint_loop *joint_loop;
   int *body_start; /* [substructure + 1] into `body`: bodies whose tree joint lies in the substructure, in level
                     * order */
   int *body;

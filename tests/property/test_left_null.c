@@ -100,7 +100,7 @@ static int check(fixture *f, int index) {
   double *w = KM_ARENA_NEW(&arena, double, (size_t)space.rows), *x = KM_ARENA_NEW(&arena, double, (size_t)space.rows);
   for (int c = 0; c < f->mechanism->coordinate_count; ++c)
     twist[c] = km_coordinate_twist(f->mechanism, f->state, c);
-  km_full_jacobian(f->mechanism, f->state, index, twist, (km_vec3){0, 0, 0}, J);
+  km_full_jacobian(f->mechanism, f->state, index, twist, (km_vec3){0, 0, 0}, 1, (size_t)space.rows, J);
   double size = 1.0;
   for (int i = 0; i < space.rows * sub->columns; ++i)
     size = fmax(size, fabs(J[i]));

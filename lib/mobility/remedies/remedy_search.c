@@ -44,18 +44,19 @@ static double *column_of(const search *f, double *columns, int candidate_index, 
 /* Wᵀ h of a motion of unit length over all loops that contain the joint. */
 static void project_motion(const km_left_space *a, const km_left_null *null, int joint, km_twist h, double unit,
                            double *out) {
+  const km_topology *t = &a->m->topology;
   double length = 0.0;
-  for (int n = a->joint_loop_start[joint]; n < a->joint_loop_start[joint + 1]; ++n) {
-    const km_joint_in_loop *in = &a->joint_loop[n];
-    double column[6], sign = km_member_sign(&a->m->topology.member[in->member]);
+  for (int n = t->joint_loop_start[joint]; n < t->joint_loop_start[joint + 1]; ++n) {
+    const km_joint_loop *in = &t->joint_loop[n];
+    double column[6];
     km_twist_entries(a->sub, h, a->about[in->loop], unit, column);
     length += km_dot(column, column, 6);
     for (int k = null->first[in->loop]; k < null->first[in->loop + 1]; ++k)
-      out[k] += sign * km_dot(column, null->local + 6 * k, 6);
+      out[k] += in->sign * km_dot(column, null->local + 6 * k, 6);
     for (int i = null->spanning_count ? null->block_start[in->loop] : 0;
          null->spanning_count && i < null->block_start[in->loop + 1]; ++i) {
       const km_left_part *part = &null->part[null->block_part[i]];
-      out[null->local_count + part->vector] += sign * km_dot(column, part->w, 6);
+      out[null->local_count + part->vector] += in->sign * km_dot(column, part->w, 6);
     }
   }
   for (int k = 0; k < km_left_null_count(null) && length > 0.0; ++k)
@@ -84,15 +85,17 @@ static void mark_fixed_joints(const km_left_space *a, bool *fixed) {
 static bool list_candidates(search *f, const km_left_space *a, const km_left_null *null, const bool *driven,
                             km_arena *arena) {
   const km_model *model = a->m->model;
+  const km_topology *t = &a->m->topology;
   bool *fixed = KM_ARENA_NEW(arena, bool, (size_t)model->joint_count);
   f->candidates = KM_ARENA_NEW(arena, candidate, (size_t)model->joint_count);
   if (arena->failed)
     return false;
   mark_fixed_joints(a, fixed);
-  for (int j = 0; j < model->joint_count; ++j) {
+  for (int n = t->joint_start[a->index]; n < t->joint_start[a->index + 1]; ++n) {
+    int j = t->joint[n];
     candidate *c = &f->candidates[f->count];
     *c = (candidate){.joint = j, .chosen = NONE};
-    if (fixed[j] || a->joint_loop_start[j] == a->joint_loop_start[j + 1])
+    if (fixed[j] || t->joint_loop_start[j] == t->joint_loop_start[j + 1])
       continue;
     c->option_count = km_joint_options(&model->joints[j], c->options);
     for (int i = 0; i < c->option_count; ++i)
