@@ -26,8 +26,7 @@ bool km_arc_motion_locate_branch(km_arc_motion *f, double length, double g_end) 
     return false;
   km_node_curve_place(&f->curve, &f->c, root);
   km_node_curve_tangent(&f->curve, &f->c, root, f->c.next_t);
-  int worst;
-  double residual = km_loops_residual(f->c.mechanism, f->c.state, sub, &worst);
+  double residual = km_loops_residual(f->c.mechanism, f->c.state, sub);
   km_search_pivots(f->c.mechanism, f->c.state, f->c.substructure, KM_NO_DRIVER,
                    fmax(km_singular_pivot, km_rank_tolerance(f->c.mechanism, sub, residual)));
   /* The rank decides, since with redundant constraints g can vanish because the pivot rows alone become dependent. */

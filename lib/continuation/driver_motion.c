@@ -130,13 +130,12 @@ static bool close_at_turning_point(km_driver_motion *d, double goal) {
   if (!(fabs(d->current.s - goal) <= km_relative_zero))
     return false;
   km_closure evidence;
-  int worst;
   km_state_save(d->c.state, sub, d->c.from);
   km_continuation_set_driver(&d->c, goal);
   km_loops_close(d->c.mechanism, d->c.state, d->c.substructure, d->c.column, &evidence);
   km_loops_update(d->c.mechanism, d->c.state, sub);
   km_state_invalidate_pivots(d->c.state, d->c.substructure);
-  if (km_loops_residual(d->c.mechanism, d->c.state, sub, &worst) <= km_solved_rounding)
+  if (km_loops_residual(d->c.mechanism, d->c.state, sub) <= km_solved_rounding)
     return true;
   km_state_restore(d->c.state, sub, d->c.from);
   return false;

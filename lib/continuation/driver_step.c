@@ -16,9 +16,8 @@ static void remember_pivots(km_driver_motion *d) {
 
 bool km_driver_motion_start(km_driver_motion *d) {
   const km_substructure *sub = km_driver_motion_substructure(d);
-  int worst;
   km_loops_update(d->c.mechanism, d->c.state, sub);
-  double residual = km_loops_residual(d->c.mechanism, d->c.state, sub, &worst);
+  double residual = km_loops_residual(d->c.mechanism, d->c.state, sub);
   km_search_pivots_by(d->c.mechanism, d->c.state, d->c.substructure,
                       &(km_pivoting){.driver = d->c.column, .basis = KM_BASIS_ANY},
                       km_rank_tolerance(d->c.mechanism, sub, residual));
@@ -140,10 +139,9 @@ static bool may_be_singular(const km_driver_motion *d) {
 static bool violates_closure(km_driver_motion *d) {
   const km_substructure *sub = km_driver_motion_substructure(d);
   double longest = km_max_norm(d->c.move, sub->columns);
-  int worst;
   km_state_move(d->c.mechanism, d->c.state, sub, d->c.move);
   km_loops_update(d->c.mechanism, d->c.state, sub);
-  double misfit = km_loops_residual(d->c.mechanism, d->c.state, sub, &worst);
+  double misfit = km_loops_residual(d->c.mechanism, d->c.state, sub);
   km_state_restore(d->c.state, sub, d->c.from);
   return misfit >
          km_significant_ratio * (km_path_allowed * longest + km_path_rounding) + d->c.mechanism->closure_tolerance;

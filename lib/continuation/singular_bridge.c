@@ -30,13 +30,12 @@ static bool close_independent_rows(km_driver_motion *d, double *correction) {
                                 .driver_never_pivot = true,
                                 .min_relative_pivot = km_significant_ratio * km_singular_pivot};
   km_closure evidence;
-  int worst;
   km_state_invalidate_pivots(d->c.state, d->c.substructure);
   km_loops_close_by(d->c.mechanism, d->c.state, d->c.substructure, &pivoting, &evidence);
   *correction = evidence.correction;
   km_state_invalidate_pivots(d->c.state, d->c.substructure);
   km_loops_update(d->c.mechanism, d->c.state, km_driver_motion_substructure(d));
-  return km_loops_residual(d->c.mechanism, d->c.state, km_driver_motion_substructure(d), &worst) <=
+  return km_loops_residual(d->c.mechanism, d->c.state, km_driver_motion_substructure(d)) <=
          km_larger(km_solved_rounding, d->c.mechanism->closure_tolerance);
 }
 

@@ -32,8 +32,7 @@ static double largest_primary(const km_factor *p, const double *error) {
 static bool factor_jacobian(const km_mechanism *m, km_state *s, int index, double growth_reference) {
   const km_substructure *sub = &m->substructures[index];
   km_factor *p = s->factor[index];
-  int worst;
-  const km_factor_options options = {.tolerance = km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst)),
+  const km_factor_options options = {.tolerance = km_rank_tolerance(m, sub, km_loops_residual(m, s, sub)),
                                      .forced = s->forced,
                                      .locked = km_state_locked_columns(s, index),
                                      .growth_reference = growth_reference};

@@ -171,10 +171,8 @@ static double *write_coordinates(const km_history_writer *w, double *out) {
 
 static double loop_error(const km_history_writer *w) {
   double worst = 0.0;
-  for (int i = 0; i < w->m->topology.substructure_count; ++i) {
-    int loop;
-    worst = fmax(worst, km_loops_residual(w->m, w->state, &w->m->substructures[i], &loop));
-  }
+  for (int i = 0; i < w->m->topology.substructure_count; ++i)
+    worst = fmax(worst, km_loops_residual(w->m, w->state, &w->m->substructures[i]));
   return worst;
 }
 

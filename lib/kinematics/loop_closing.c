@@ -100,7 +100,7 @@ static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int in
     else
       km_loops_recompute(m, s, sub);
     evidence->iterations = i;
-    evidence->residual = km_loops_residual(m, s, sub, &evidence->worst);
+    evidence->residual = km_loops_worst(m, s, sub, &evidence->worst);
     if (!isfinite(evidence->residual))
       return KM_OPEN;
     n.step_tolerance = scale * (i == 0 && driver >= 0 ? km_solved_rounding : km_relative_zero);

@@ -258,7 +258,7 @@ void km_loops_restore_cached(const km_mechanism *m, km_state *s, int index, cons
 }
 
 /* Residual √(eᵀe/6) of the worst loop or coupling. */
-double km_loops_residual(const km_mechanism *m, const km_state *s, const km_substructure *sub, int *worst) {
+double km_loops_worst(const km_mechanism *m, const km_state *s, const km_substructure *sub, int *worst) {
   double largest = 0.0;
   *worst = -1;
   for (int i = 0; i < sub->loop_count; ++i) {
@@ -278,4 +278,9 @@ double km_loops_residual(const km_mechanism *m, const km_state *s, const km_subs
     }
   }
   return largest;
+}
+
+double km_loops_residual(const km_mechanism *m, const km_state *s, const km_substructure *sub) {
+  int worst;
+  return km_loops_worst(m, s, sub, &worst);
 }

@@ -48,8 +48,9 @@ int km_loops_hessian_entries(const km_mechanism *mechanism, const km_substructur
 void km_loops_hessian(const km_mechanism *mechanism, const km_state *state, const km_substructure *sub,
                       const double *multiplier, double *hessian, double *diagonal);
 
-/* Residual √(eᵀe/6) of the substructure's worst loop, errors of couplings alike (235), and that loop (-1: a coupling or
- * none). Scaled. */
-double km_loops_residual(const km_mechanism *mechanism, const km_state *state, const km_substructure *sub, int *worst);
+/* Residual √(eᵀe/6) of the substructure's worst loop, errors of couplings alike (235). Scaled. */
+double km_loops_residual(const km_mechanism *mechanism, const km_state *state, const km_substructure *sub);
+/* Returns the residual and finds that loop; -1: a coupling or none. */
+double km_loops_worst(const km_mechanism *mechanism, const km_state *state, const km_substructure *sub, int *worst);
 
 #endif

@@ -210,12 +210,11 @@ bool km_constant_rank_close(km_constant_rank *st, const km_mechanism *m, km_stat
                             km_closure *evidence) {
   const km_substructure *sub = &m->substructures[index];
   km_factor *p = s->factor[index];
-  int worst;
   bool converged = close_exactly(st, m, s, index, driver, evidence);
   double correction = evidence->correction;
   converged = converged && deflate(st, m, s, index, driver, evidence);
   km_loops_update(m, s, sub);
-  evidence->residual = km_loops_residual(m, s, sub, &worst);
+  evidence->residual = km_loops_residual(m, s, sub);
   evidence->correction = correction;
   km_search_pivots(m, s, index, driver, st->rank_tolerance);
   converged = converged && km_factor_rank(p) == st->rank && evidence->residual <= max_residual(m);

@@ -204,9 +204,8 @@ km_followed_tangent km_local_follow(km_local *l, const double *direction, double
 
 /* Compares the freedom at the end of a followed curve with that of the configuration. */
 bool km_local_has_dropped(km_local *l) {
-  int worst;
   km_loops_update(l->m, l->s, l->sub);
-  double residual = km_loops_residual(l->m, l->s, l->sub, &worst);
+  double residual = km_loops_residual(l->m, l->s, l->sub);
   const km_pivoting pivoting = {.driver = KM_NO_DRIVER, .basis = needed_basis(l->s->factor[l->index])};
   km_search_pivots_by(l->m, l->s, l->index, &pivoting, km_rank_tolerance(l->m, l->sub, residual));
   bool fewer = km_factor_freedom(l->s->factor[l->index]) < l->freedom + l->passive_count;

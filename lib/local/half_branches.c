@@ -109,7 +109,7 @@ static bool solve_on_sphere(sphere *p, double d) {
   const km_local *l = p->l;
   gsl_multifit_nlinear_fdf fdf = {
       .f = compute_residuals, .df = compute_derivatives, .n = p->equations, .p = (size_t)l->sub->columns, .params = p};
-  int info, worst;
+  int info;
   p->d = d;
   for (int k = 0; k < l->sub->columns; ++k)
     gsl_vector_set(p->x, (size_t)k, p->y[k]);
@@ -120,7 +120,7 @@ static bool solve_on_sphere(sphere *p, double d) {
   gauss_newton(p);
   evaluate_at(p, p->x);
   double length = km_step_length(l->m, l->sub, p->y);
-  return km_loops_residual(l->m, l->s, l->sub, &worst) <= km_solved_rounding && fabs(length - d) <= 1e-6 * d;
+  return km_loops_residual(l->m, l->s, l->sub) <= km_solved_rounding && fabs(length - d) <= 1e-6 * d;
 }
 
 /* Error of the last solution for a residual: the residual over the smallest singular value of F'. */

@@ -25,7 +25,6 @@ km_local *km_local_create(const km_mechanism *m, km_state *s, int index, const k
                           double min_tolerance, km_arena *arena) {
   const km_substructure *sub = &m->substructures[index];
   km_local *l = KM_ARENA_NEW(arena, km_local, 1);
-  int worst;
   if (!l)
     return NULL;
   km_loops_update(m, s, sub);
@@ -36,7 +35,7 @@ km_local *km_local_create(const km_mechanism *m, km_state *s, int index, const k
                   .weight = m->column_weight + sub->column_start,
                   .arena = arena,
                   .passive = passive,
-                  .residual = km_loops_residual(m, s, sub, &worst),
+                  .residual = km_loops_residual(m, s, sub),
                   .min_verdict = KM_TANGENT_CONFIRMED,
                   .random = 1};
   l->tolerance = fmax(km_rank_tolerance(m, sub, l->residual), min_tolerance);

@@ -30,10 +30,9 @@ static void note_pin_offset(const km_mechanism *m, int index, km_messages *messa
 static double residual_at_start(const km_mechanism *m, int index) {
   km_state *start = NULL;
   double misfit = nan("");
-  int worst;
   if (!km_state_create(m, &start, NULL)) {
     km_loops_update(m, start, &m->substructures[index]);
-    misfit = km_loops_residual(m, start, &m->substructures[index], &worst);
+    misfit = km_loops_residual(m, start, &m->substructures[index]);
   }
   km_state_free(start);
   return misfit;

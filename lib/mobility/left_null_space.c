@@ -11,13 +11,12 @@
 bool km_left_space_create(const km_mechanism *m, km_state *s, int index, km_arena *arena, km_left_space *out) {
   const km_substructure *sub = &m->substructures[index];
   const km_topology *t = &m->topology;
-  int worst;
   *out = (km_left_space){.m = m,
                          .s = s,
                          .index = index,
                          .sub = sub,
                          .rows = 6 * sub->loop_count + sub->coupling_count,
-                         .tolerance = km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst))};
+                         .tolerance = km_rank_tolerance(m, sub, km_loops_residual(m, s, sub))};
   out->about = KM_ARENA_NEW(arena, km_vec3, (size_t)sub->loop_count);
   out->swap_result = KM_ARENA_NEW(arena, signed char, 4 * (size_t)m->model->joint_count);
   for (int i = 0; i < sub->loop_count && out->about; ++i)

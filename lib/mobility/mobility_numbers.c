@@ -19,8 +19,7 @@ void km_motions_update(const km_mechanism *m, km_state *s, int index) {
   /* computed from the row space, independent of B */
   bool uses_row_space = km_factor_avoids_basis(p);
   if (s->pivot_driver[index] == KM_NEVER || (!uses_row_space && !(km_factor_get_evidence(p).max_b <= km_max_good_b))) {
-    int worst;
-    km_search_pivots(m, s, index, KM_NO_DRIVER, km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst)));
+    km_search_pivots(m, s, index, KM_NO_DRIVER, km_rank_tolerance(m, sub, km_loops_residual(m, s, sub)));
   }
   km_state_mark_mobility_known(s, index);
 }
@@ -55,9 +54,8 @@ void km_ranks_update(const km_mechanism *m, km_state *s, km_mobility *out) {
     out->mobility += is_free_tree_coordinate(m, s, c);
   for (int i = 0; i < m->topology.substructure_count; ++i) {
     const km_substructure *sub = &m->substructures[i];
-    int worst;
     km_loops_update(m, s, sub);
-    double residual = km_loops_residual(m, s, sub, &worst);
+    double residual = km_loops_residual(m, s, sub);
     km_search_rank(m, s, i, km_rank_tolerance(m, sub, residual));
     out->residual = fmax(out->residual, residual);
     out->mobility += km_factor_freedom(s->factor[i]);

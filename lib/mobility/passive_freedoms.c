@@ -96,8 +96,7 @@ static bool collect_columns(const body_groups *g, int group, km_arena *arena, gr
 /* Returns the dimension of the null space; -1: no memory. */
 static int find_nullity(const body_groups *g, const group_columns *e, km_arena *scratch) {
   const km_substructure *sub = &g->m->substructures[g->index];
-  int worst;
-  double tolerance = km_rank_tolerance(g->m, sub, km_loops_residual(g->m, g->s, sub, &worst));
+  double tolerance = km_rank_tolerance(g->m, sub, km_loops_residual(g->m, g->s, sub));
   km_factor *p = km_factor_create_sparse(e->rows, e->count, e->start, e->row, NULL, scratch);
   if (!p)
     return -1;

@@ -206,9 +206,8 @@ static km_status add_mode(modes_search *f, bool is_first, km_error *error) {
     return km_fail(error, KM_MEMORY, "out of memory for the assembly modes");
   km_state_save(f->s, sub, mode->saved);
   memcpy(mode->pose, f->s->pose, bodies * sizeof *mode->pose);
-  int worst;
   km_loops_update(f->m, f->s, sub);
-  mode->evidence.residual = km_loops_residual(f->m, f->s, sub, &worst);
+  mode->evidence.residual = km_loops_residual(f->m, f->s, sub);
   mode->evidence.is_within_limits = is_normal && km_state_find_outside_limit(f->s, sub) < 0;
   mode->evidence.is_singular = is_singular(f);
   ++f->count;

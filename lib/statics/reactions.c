@@ -99,8 +99,7 @@ static km_wrench tree_reaction(const km_mechanism *m, const km_statics_workspace
 
 static double rank_tolerance(const km_mechanism *m, const km_state *s, int index) {
   const km_substructure *sub = &m->substructures[index];
-  int worst;
-  return km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst));
+  return km_rank_tolerance(m, sub, km_loops_residual(m, s, sub));
 }
 
 /* Removes the zero rows of J from Jᵀ, such as those normal to a plane: each is a self-stress by itself. */

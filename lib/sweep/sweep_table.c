@@ -114,11 +114,10 @@ bool km_sweeper_update_rates(km_sweeper *r) {
 
 /* Updates the mobility numbers of the moving substructure and returns its residual. */
 static double update_moving_substructure(km_sweeper *r) {
-  int worst;
   if (r->is_batched)
     return r->residual;
   km_numbers_update(r->m, r->s, r->substructure);
-  return km_loops_residual(r->m, r->s, &r->m->substructures[r->substructure], &worst);
+  return km_loops_residual(r->m, r->s, &r->m->substructures[r->substructure]);
 }
 
 /* Writes a row at the state's configuration; r->rates is the motion if the plan has derivatives. */
@@ -293,9 +292,8 @@ km_status km_sweeper_prepare(km_sweeper *r, km_error *error) {
   r->other_mobility -= r->out->freedom;
   r->other_residual = 0.0;
   for (int i = 0; i < r->m->topology.substructure_count; ++i) {
-    int worst;
     if (i != r->substructure)
-      r->other_residual = fmax(r->other_residual, km_loops_residual(r->m, r->s, &r->m->substructures[i], &worst));
+      r->other_residual = fmax(r->other_residual, km_loops_residual(r->m, r->s, &r->m->substructures[i]));
   }
   if (r->out->freedom <= 1)
     return KM_OK;

@@ -188,7 +188,7 @@ typedef struct shown {
 
 static shown look(design *d) {
   const km_mechanism *m = d->f.mechanism;
-  int sub = d->drive->c.substructure, worst;
+  int sub = d->drive->c.substructure;
   const km_substructure *s = &m->substructures[sub];
   shown out = {0};
   if (km_driver_motion_is_batched(d->drive)) {
@@ -198,7 +198,7 @@ static shown look(design *d) {
     return out;
   }
   km_numbers_update(m, d->f.state, sub);
-  out.residual = km_loops_residual(m, d->f.state, s, &worst);
+  out.residual = km_loops_residual(m, d->f.state, s);
   const double *Z = km_state_basis(d->f.state, sub);
   double sense = Z[d->drive->c.column] < 0.0 ? -1.0 : 1.0;
   for (int k = 0; k < s->columns && km_factor_freedom(d->f.state->factor[sub]) == 1; ++k)

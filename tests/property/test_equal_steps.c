@@ -48,8 +48,7 @@ static bool at_once(const km_driver_motion *d) {
 }
 
 static double residual_of(const machine *m) {
-  int worst;
-  return km_loops_residual(m->f.mechanism, m->f.state, km_driver_motion_substructure(m->drive), &worst);
+  return km_loops_residual(m->f.mechanism, m->f.state, km_driver_motion_substructure(m->drive));
 }
 
 /* Closing ends with errors of 1e-12 rms over the rows and steps below 1e-12, or with a step of Newton below 1e-9,

@@ -37,9 +37,8 @@ static void let_go(held *h) {
 static double opened(const fixture *f) {
   double worst = 0.0;
   for (int i = 0; i < f->mechanism->topology.substructure_count; ++i) {
-    int loop;
     km_loops_update(f->mechanism, f->state, &f->mechanism->substructures[i]);
-    worst = fmax(worst, km_loops_residual(f->mechanism, f->state, &f->mechanism->substructures[i], &loop));
+    worst = fmax(worst, km_loops_residual(f->mechanism, f->state, &f->mechanism->substructures[i]));
   }
   return worst;
 }

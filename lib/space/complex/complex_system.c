@@ -282,8 +282,7 @@ km_status km_complex_closure_create(const km_mechanism *m, km_state *s, int subs
   w.unlocked = number_candidates(out, s, &w.rows);
   km_complex_from_state(out, s, w.reference);
   km_complex_randomise(out, w.reference, generic_distance, random, w.generic);
-  int worst;
-  double tolerance = km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst));
+  double tolerance = km_rank_tolerance(m, sub, km_loops_residual(m, s, sub));
   *freedom = choose_system(out, &w, tolerance, random, arena);
   if (arena->failed)
     return km_fail(error, KM_MEMORY, "out of memory for the assembly modes");

@@ -119,10 +119,9 @@ static bool realise(endpoint_search *w, double tolerance) {
 
 /* True if the loops close at w->x in all rows, also those that are no equations of the system. */
 static bool closes_all_rows(endpoint_search *w) {
-  int worst;
   km_complex_to_state(w->closure, w->x, w->work->s);
   km_loops_recompute(w->closure->m, w->work->s, w->closure->sub);
-  return km_loops_residual(w->closure->m, w->work->s, w->closure->sub, &worst) <=
+  return km_loops_residual(w->closure->m, w->work->s, w->closure->sub) <=
          fmax(w->closure->m->closure_tolerance, real_part);
 }
 
