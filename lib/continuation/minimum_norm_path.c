@@ -37,7 +37,7 @@ static void convert_ball_rates(const km_mechanism *m, const km_substructure *sub
     if (m->ball_of[coordinate[k]] < 0)
       continue;
     km_vec3 v = km_rotation_vector_rate(km_vec3_from_array(move + k), km_vec3_from_array(rate + k));
-    memcpy(rate + k, &(double[3]){v.x, v.y, v.z}, 3 * sizeof *rate);
+    km_vec3_write(v, rate + k);
     k += 2;
   }
 }

@@ -85,9 +85,7 @@ bool km_user_forces_prepare(km_forces *f) {
 }
 
 static void store(km_vec3 v, double out[3]) {
-  out[0] = v.x;
-  out[1] = v.y;
-  out[2] = v.z;
+  km_vec3_write(v, out);
 }
 
 km_frame_motion km_frame_motion_of(const km_forces *f, int frame) {

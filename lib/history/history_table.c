@@ -145,9 +145,7 @@ static double *write_rates(const km_history_writer *w, double *out) {
   for (int b = 0; b < m->ball_count; ++b) { /* the rotation vector closest to that of the last row */
     double *q = &s->q[m->ball_coordinate[b]];
     km_vec3 v = km_quaternion_log_near(s->ball[b], km_vec3_from_array(q));
-    q[0] = v.x;
-    q[1] = v.y;
-    q[2] = v.z;
+    km_vec3_write(v, q);
   }
   for (int c = 0; c < m->coordinate_count; ++c)
     *out++ = km_state_coordinate(s, c);

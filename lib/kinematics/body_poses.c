@@ -166,9 +166,7 @@ void km_frame_position(const km_mechanism *m, const km_state *s, int frame, doub
     return;
   const km_model_frame *def = &m->model->frames[frame];
   km_vec3 p = km_pose_point(&s->pose[def->body], def->pose.p);
-  position[0] = p.x;
-  position[1] = p.y;
-  position[2] = p.z;
+  km_vec3_write(p, position);
 }
 
 /* Adds the motion of one primitive: V = V_from + x, A = A_from + Σ h q̈ + [V_from, x], x = Σ h q̇ (docs/theory.md 2.6).

@@ -36,9 +36,7 @@ km_status km_frame_pose_make(const double p[3], const double turn[3], km_frame_p
 /* Converts a pose to the public structure, row-major. */
 void km_pose_write(const km_pose *X, km_frame_pose *out) {
   km_rotation_rows(&X->R, out->R);
-  out->p[0] = X->p.x;
-  out->p[1] = X->p.y;
-  out->p[2] = X->p.z;
+  km_vec3_write(X->p, out->p);
 }
 
 /* Pose of a frame in the inertial frame. */

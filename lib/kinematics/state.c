@@ -191,9 +191,7 @@ static km_quaternion rotated_quaternion(const km_state *s, int ball, km_vec3 tur
 static void update_ball_coordinates(const km_mechanism *m, km_state *s, int ball) {
   int c = m->ball_coordinate[ball];
   km_vec3 v = km_quaternion_log_near(s->ball[ball], km_vec3_from_array(&s->q[c]));
-  s->q[c] = v.x;
-  s->q[c + 1] = v.y;
-  s->q[c + 2] = v.z;
+  km_vec3_write(v, s->q + c);
 }
 
 void km_state_rotate_ball(const km_mechanism *m, km_state *s, int ball, km_vec3 turn) {
@@ -327,9 +325,7 @@ void km_state_difference(const km_state *s, const km_substructure *sub, const do
     km_quaternion old;
     memcpy(&old, ball, sizeof old);
     km_vec3 v = km_quaternion_log(km_quaternion_product(s->ball[order[i]], km_quaternion_conjugate(old)));
-    step[k] = v.x;
-    step[k + 1] = v.y;
-    step[k + 2] = v.z;
+    km_vec3_write(v, step + k);
   }
 }
 

@@ -39,7 +39,7 @@ static double update_remaining(point_motion *p) {
       km_vec3_scale(1.0 / p->length, km_vec3_sub(km_vec3_from_array(p->target_point->target), point_position(p)));
   km_vec3 normal = km_vec3_from_array(p->target_point->normal);
   e = km_vec3_axpy(-km_vec3_dot(e, normal), normal, e);
-  memcpy(p->e, (const double[]){e.x, e.y, e.z}, sizeof p->e);
+  km_vec3_write(e, p->e);
   return km_vec3_norm(e);
 }
 
@@ -74,7 +74,7 @@ static void find_path(point_motion *p) {
 
 /* Appends a column to A. */
 static void add_column(point_motion *p, km_vec3 v) {
-  memcpy(p->h->A + 3 * (size_t)p->freedoms++, (const double[]){v.x, v.y, v.z}, 3 * sizeof *p->h->A);
+  km_vec3_write(v, p->h->A + 3 * (size_t)p->freedoms++);
 }
 
 /* Appends the columns of a substructure's basis to A. Coordinates at active limits are locked in it. */

@@ -51,11 +51,11 @@ static void describe_wrench(const km_left_space *a, int block, const double *w, 
   double largest = fabs(d.x) > fabs(d.y) ? (fabs(d.x) > fabs(d.z) ? d.x : d.z) : (fabs(d.y) > fabs(d.z) ? d.y : d.z);
   if (largest < 0.0)
     d = km_vec3_scale(-1.0, d);
-  memcpy(item->direction, &(double[3]){d.x, d.y, d.z}, sizeof item->direction);
+  km_vec3_write(d, item->direction);
   if (item->rotation)
     return;
   km_vec3 p = km_vec3_axpy(a->sub->size / (force * force), km_vec3_cross(f, c), a->about[block]);
-  memcpy(item->point, &(double[3]){p.x, p.y, p.z}, sizeof item->point);
+  km_vec3_write(p, item->point);
   item->pitch = a->sub->size * km_vec3_dot(f, c) / (force * force);
 }
 

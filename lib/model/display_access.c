@@ -5,7 +5,6 @@
 #include "model/model.h"
 
 #include <math.h>
-#include <string.h>
 
 static bool is_one(int index, int count) {
   return index >= 0 && index < count;
@@ -31,7 +30,7 @@ double km_model_body_mass(const km_model *model, int body, double center_of_mass
   bool known = model && is_one(body, model->body_count);
   km_vec3 c = known ? model->bodies[body].center_of_mass : (km_vec3){nan(""), nan(""), nan("")};
   if (center_of_mass)
-    memcpy(center_of_mass, (const double[]){c.x, c.y, c.z}, 3 * sizeof *center_of_mass);
+    km_vec3_write(c, center_of_mass);
   return known ? model->bodies[body].mass : nan("");
 }
 
@@ -61,7 +60,7 @@ km_status km_model_frame_pose(const km_model *model, int frame, double R[9], dou
     return status;
   const km_pose *pose = &model->frames[frame].pose;
   km_rotation_rows(&pose->R, R);
-  memcpy(T, (const double[]){pose->p.x, pose->p.y, pose->p.z}, 3 * sizeof *T);
+  km_vec3_write(pose->p, T);
   return KM_OK;
 }
 

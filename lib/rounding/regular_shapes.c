@@ -53,9 +53,7 @@ static void residual_of(const km_model *model, const km_relation *r, double size
     *out = km_vec3_dot(u, v);
     return;
   }
-  out[0] = n.x;
-  out[1] = n.y;
-  out[2] = n.z;
+  km_vec3_write(n, out);
 }
 
 /* Moves the frames that a number places by `by` of its units. */

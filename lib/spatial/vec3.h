@@ -13,6 +13,11 @@
 static inline km_vec3 km_vec3_from_array(const double a[3]) {
   return (km_vec3){a[0], a[1], a[2]};
 }
+static inline void km_vec3_write(km_vec3 a, double out[3]) {
+  out[0] = a.x;
+  out[1] = a.y;
+  out[2] = a.z;
+}
 static inline double km_vec3_norm(km_vec3 a) {
   return sqrt(km_vec3_dot(a, a));
 }

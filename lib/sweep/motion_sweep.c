@@ -145,9 +145,7 @@ static void compute_rates(sweep_motion *w, km_sweeper *r) {
 }
 
 static double *write_vector(km_vec3 v, double *cell) {
-  cell[0] = v.x;
-  cell[1] = v.y;
-  cell[2] = v.z;
+  km_vec3_write(v, cell);
   return cell + 3;
 }
 

@@ -70,9 +70,7 @@ static void point_rates(const km_sweeper *r, int frame, double out[3]) {
   const km_model_frame *def = &m->model->frames[frame];
   km_vec3 p = km_pose_point(&r->s->pose[def->body], def->pose.p);
   km_vec3 v = km_point_velocity(km_body_twist(m, r->s, def->body, r->rates), p);
-  out[0] = v.x;
-  out[1] = v.y;
-  out[2] = v.z;
+  km_vec3_write(v, out);
 }
 
 static double *write_points(const km_sweeper *r, double *cell) {

@@ -104,7 +104,7 @@ static void add_own_friction(const km_mechanism *m, km_losses_workspace *w, int 
   double *entry = w->friction.B + 3 * (surface * w->friction.count + surface);
   double along = -w->unit_friction[surface] / km_slip_arm(m, c) * km_thread_slope(m, c);
   km_vec3 sum = km_vec3_axpy(along, km_surface_axis(&w->statics, c), km_vec3_from_array(entry));
-  memcpy(entry, (double[3]){sum.x, sum.y, sum.z}, 3 * sizeof *entry);
+  km_vec3_write(sum, entry);
 }
 
 /* Balances the load of 1 against the output, and the friction of a unit normal force at one surface (-1: none).
@@ -134,7 +134,7 @@ static double largest_reaction(const km_mechanism *m, const km_statics *st) {
 static void write_force(km_vec3 a, double least, double *to) {
   if (km_vec3_norm(a) <= least)
     a = (km_vec3){0.0, 0.0, 0.0};
-  memcpy(to, (double[3]){a.x, a.y, a.z}, 3 * sizeof *to);
+  km_vec3_write(a, to);
 }
 
 /* Computes a, B and w from static balances: under the input force that holds a load of 1 without friction there

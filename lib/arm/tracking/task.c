@@ -14,9 +14,7 @@ int km_task_rows(km_task task) {
 }
 
 void km_arm_all_task_rows(const km_arm *a, const km_rotation *effector, km_twist twist, double *rows) {
-  rows[0] = twist.v.x;
-  rows[1] = twist.v.y;
-  rows[2] = twist.v.z;
+  km_vec3_write(twist.v, rows);
   if (a->task == KM_TASK_POSITION)
     return;
   if (a->task == KM_TASK_AXIS) {

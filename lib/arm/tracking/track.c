@@ -238,9 +238,7 @@ static bool write_rows(km_track *t, km_tracking_run *run, int count, km_arena *a
 static void set_place(km_track *t, const km_pose *pose) {
   const km_arm *a = t->arm;
   km_vec3 p = km_vec3_add(a->origin, km_vec3_scale(a->length, pose->p));
-  t->end.place[0] = p.x;
-  t->end.place[1] = p.y;
-  t->end.place[2] = p.z;
+  km_vec3_write(p, t->end.place);
 }
 
 /* Creates the table, writes its rows, and sums up the track. */

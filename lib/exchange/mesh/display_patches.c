@@ -33,7 +33,7 @@ static bool copy(const km_mesh *mesh, km_surface_patch *out) {
     return false;
   for (int v = 0; v < mesh->vertex_count; ++v) {
     km_vec3 p = mesh->vertices[v];
-    memcpy(out->vertices + 3 * v, (const double[]){p.x, p.y, p.z}, 3 * sizeof(double));
+    km_vec3_write(p, out->vertices + 3 * v);
   }
   for (int t = 0; t < mesh->triangle_count; ++t)
     memcpy(out->triangles + 3 * t, mesh->triangles[t].corner, 3 * sizeof(int));

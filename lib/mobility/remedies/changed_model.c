@@ -60,7 +60,7 @@ static km_status add_frame(model_copy *c, km_body_id body, const km_pose *pose, 
   km_frame_def def = km_frame_default();
   snprintf(name, sizeof name, "changed joint %d", ++c->added);
   def.name = name;
-  memcpy(def.T, &(double[3]){pose->p.x, pose->p.y, pose->p.z}, sizeof def.T);
+  km_vec3_write(pose->p, def.T);
   km_rotation_rows(&pose->R, def.R);
   return km_model_add_frame(c->builder, body, &def, out, c->error);
 }
@@ -89,7 +89,7 @@ static km_status copy_frames(model_copy *c) {
     }
     km_frame_def def = km_frame_default();
     def.name = frame->name;
-    memcpy(def.T, &(double[3]){frame->pose.p.x, frame->pose.p.y, frame->pose.p.z}, sizeof def.T);
+    km_vec3_write(frame->pose.p, def.T);
     km_rotation_rows(&frame->pose.R, def.R);
     status = km_model_add_frame(c->builder, body, &def, &c->frame[i], c->error);
   }

@@ -5,8 +5,6 @@
  *              makes no distance longer, so that |d(n) − d(n')| <= |x − x'|, x and x' on one face */
 #include "space/map/map_workspace.h"
 
-#include <string.h>
-
 static const double accuracy = 1e-5;      /* radians */
 static const double end_of_chart = 1e-12; /* 1 + a₃·n */
 
@@ -121,7 +119,7 @@ bool km_map_find_largest_cone(km_workspace_search *w, km_aspect_workspace *out) 
   out->half_angle = km_largest_distance(&region, face, 6, &best);
   km_vec3 n = direction_at(&best);
   if (out->half_angle > 0.0)
-    memcpy(out->cone, (const double[]){n.x, n.y, n.z}, sizeof out->cone);
+    km_vec3_write(n, out->cone);
   km_free(chains);
   return true;
 }

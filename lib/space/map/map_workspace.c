@@ -82,9 +82,7 @@ static void fill_jumps(km_workspace_search *w, int aspect) {
 
 static void place_in_space(const km_workspace_search *w, const double *chart, double *out) {
   km_vec3 at = km_point_surface_place(&w->g->f.point_surface, chart);
-  out[0] = at.x;
-  out[1] = at.y;
-  out[2] = at.z;
+  km_vec3_write(at, out);
 }
 
 static bool add_boundary_row(km_workspace_search *w, const km_outline_part *part, double at) {

@@ -15,9 +15,7 @@ static km_vec3 axis(const km_point_surface *s, int i) {
 }
 
 static void set_axis(km_point_surface *s, int i, km_vec3 a) {
-  s->axis[i][0] = a.x;
-  s->axis[i][1] = a.y;
-  s->axis[i][2] = a.z;
+  km_vec3_write(a, s->axis[i]);
 }
 
 static km_vec3 origin(const km_point_surface *s) {
@@ -25,9 +23,7 @@ static km_vec3 origin(const km_point_surface *s) {
 }
 
 static void set_origin(km_point_surface *s, km_vec3 o) {
-  s->origin[0] = o.x;
-  s->origin[1] = o.y;
-  s->origin[2] = o.z;
+  km_vec3_write(o, s->origin);
 }
 
 void km_point_surface_turn(km_point_surface *s, km_vec3 n) {

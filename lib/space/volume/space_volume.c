@@ -135,7 +135,7 @@ static bool add_row(km_volume_search *g, int index) {
     return false;
   for (int k = 0; k < p->dimension; ++k)
     x = km_vec3_axpy(sample->x[k], p->axis[k], x);
-  memcpy(row, (const double[]){x.x, x.y, x.z}, 3 * sizeof *row);
+  km_vec3_write(x, row);
   row[3] = sample->is_reached ? 1.0 : sample->blocked >= KM_VOLUME_ATTEMPTS ? 0.0 : -1.0;
   if (sample->is_reached)
     km_moved_point_restore(p, g->saved + (size_t)index * p->saved_size);
@@ -192,8 +192,7 @@ static km_status search(km_volume_search *g, const km_state *state, km_error *er
     return status;
   estimate(g);
   for (int k = 0; k < out->dimension; ++k)
-    memcpy(out->axis[k], (const double[]){g->point[0].axis[k].x, g->point[0].axis[k].y, g->point[0].axis[k].z},
-           sizeof out->axis[k]);
+    km_vec3_write(g->point[0].axis[k], out->axis[k]);
   km_status written = write_points(g, state, error);
   return written ? written : status;
 }

@@ -27,9 +27,7 @@ static bool missing(segment_reader *r, const char *key, const char *what) {
 
 static void read_vector(const km_value *from, const char *key, double out[3]) {
   km_vec3 v = km_reader_vector(from, key);
-  out[0] = v.x;
-  out[1] = v.y;
-  out[2] = v.z;
+  km_vec3_write(v, out);
 }
 
 /* True if a rotation is stated. */
