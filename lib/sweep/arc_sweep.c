@@ -160,28 +160,19 @@ static km_status write_rows(km_sweeper *r, km_arc_motion *motion, km_error *erro
   return !status && plan->cycle ? KM_PARTIAL : status;
 }
 
-static bool no_rates(void *self, double *out) {
-  (void)self;
-  (void)out;
-  return false;
-}
-
-/* Writes the single row of a mechanism without motion. */
-static km_status write_only_row(km_sweeper *r, km_error *error) {
-  r->mover = (km_mover){NULL, no_rates, NULL, NULL, NULL, NULL};
-  r->out->end = (km_motion_end){KM_STOP_TOGGLE, 0.0, -1, -1};
-  km_status status = km_sweeper_row(r, 0, 0.0, error);
-  return status ? status : KM_PARTIAL;
-}
-
 km_status km_sweep_by_length(km_sweeper *r, km_error *error) {
   km_arc_motion *motion;
   km_status status = km_sweeper_prepare(r, error);
   if (!status)
     status =
         km_arc_motion_create(r->m, r->s, r->plan->direction, r->plan->sign, r->plan->ignore_limits, &motion, error);
+  if (status == KM_NO_RESULT) { /* nothing moves */
+    r->out->end = (km_motion_end){KM_STOP_TOGGLE, 0.0, -1, -1};
+    status = km_sweeper_single_row(r, error);
+    return status ? status : KM_PARTIAL;
+  }
   if (status)
-    return status == KM_NO_RESULT ? write_only_row(r, error) : status;
+    return status;
   km_arc_motion_set_observer(motion, km_sweeper_step_observer(r));
   r->mover = (km_mover){motion, read_rates, probe, restore, NULL, NULL};
   r->substructure = r->out->substructure = km_arc_motion_substructure(motion);

@@ -67,8 +67,7 @@ static void no_restore(void *self) {
   (void)self;
 }
 
-/* Writes the single row of a sweep without motion. */
-static km_status write_single_row(km_sweeper *r, km_error *error) {
+km_status km_sweeper_single_row(km_sweeper *r, km_error *error) {
   r->mover = (km_mover){NULL, no_rates, no_probe, no_restore, NULL, NULL};
   km_status status = km_sweeper_prepare(r, error);
   return status ? status : km_sweeper_row(r, 0, 0.0, error);
@@ -121,7 +120,7 @@ static km_status begin_sweep(km_sweeper *r, const km_sweep_job *job) {
   km_status status = open_sweeper(r, job);
   if (status || km_plan_is_driven(job->plan))
     return status;
-  return job->plan->steps == 0 ? write_single_row(r, job->error) : km_sweep_by_length(r, job->error);
+  return job->plan->steps == 0 ? km_sweeper_single_row(r, job->error) : km_sweep_by_length(r, job->error);
 }
 
 static void end_sweep(km_sweeper *r, km_sweep_job *job) {

@@ -140,6 +140,8 @@ km_status km_check_sweep(const km_mechanism *mechanism, const km_state *state, c
 km_status km_sweeper_columns(const km_sweeper *sweeper, km_error *error);
 /* Computes the numbers of the substructures at rest, and the passive freedoms. KM_MEMORY. */
 km_status km_sweeper_prepare(km_sweeper *sweeper, km_error *error);
+/* Writes the single row of a sweep without motion. KM_MEMORY, and errors of the observer. */
+km_status km_sweeper_single_row(km_sweeper *sweeper, km_error *error);
 /* Returns the observer of the motion's steps, if the sweep's observer has step_taken. `sweeper` must stay valid. */
 km_step_observer km_sweeper_step_observer(km_sweeper *sweeper);
 /* Writes a row at the state's configuration and reports it to the observer; and runs the probes that the observer
