@@ -174,6 +174,15 @@ struct km_mechanism {
   int error_size;
 };
 
+/* True if all loops of a substructure are planar; false without loops. */
+static inline bool km_substructure_is_planar(const km_mechanism *m, int index) {
+  const km_substructure *sub = &m->substructures[index];
+  bool planar = sub->program_count > 0;
+  for (int p = sub->program_start; p < sub->program_start + sub->program_count; ++p)
+    planar = planar && m->programs[p].planar;
+  return planar;
+}
+
 /* True if the coordinate has limits. The limit of a ball joint's angle counts for its first coordinate. */
 static inline bool km_is_limited(const km_mechanism *m, int c) {
   return isfinite(m->low[c]) || isfinite(m->high[c]) || isfinite(m->max_ball_angle[c]);

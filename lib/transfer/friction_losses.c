@@ -34,16 +34,11 @@ bool km_model_has_friction(const km_model *model) {
   return false;
 }
 
-/* Creates the parts for a load of 1 against the output: in its joint, or at its point. */
 static km_status create_parts(const km_mechanism *m, const km_port *input, const km_port *output,
                               km_losses_workspace *w, km_error *error) {
-  const double *d = output->direction;
-  km_load load = {output->frame, {-d[0], -d[1], -d[2]}, {0, 0, 0}, false, NULL};
   km_status status = km_transfer_create(m, input, output, &w->transfer, error);
   if (!status)
-    status = km_forces_create_loads_only(m, &load, output->kind == KM_PORT_POINT, &w->forces, error);
-  if (!status)
-    status = km_statics_create(m, &input->coordinate, input->kind == KM_PORT_JOINT, KM_AXES_FIXED, &w->statics, error);
+    status = km_unit_load_create(m, input, output, &w->forces, &w->statics, error);
   size_t most = 2 * (size_t)m->coordinate_count;
   w->surface = KM_ARENA_NEW(&w->arena, km_surface, most);
   w->sliding = KM_ARENA_NEW(&w->arena, km_surface, most);

@@ -14,21 +14,11 @@
 #include "spatial/wrench.h"
 #include "statics/statics.h"
 #include "topology/mechanism.h"
+#include "transfer/transfer.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-
-/* True if all loops of a substructure are planar. */
-static bool is_planar(const km_mechanism *m, int index) {
-  if (m->substructures[index].program_count == 0)
-    return false;
-  const km_substructure *sub = &m->substructures[index];
-  for (int p = sub->program_start; p < sub->program_start + sub->program_count; ++p)
-    if (!m->programs[p].planar)
-      return false;
-  return true;
-}
 
 /* True for a hinge of the substructure between two moving links. */
 static bool is_listed(const km_mechanism *m, int substructure, int joint) {
@@ -42,8 +32,6 @@ static bool is_listed(const km_mechanism *m, int substructure, int joint) {
 
 static km_status create_parts(const km_mechanism *m, const km_port *input, const km_port *output,
                               km_joint_transmission *w, km_error *error) {
-  const double *d = output->direction;
-  const km_load load = {.frame = output->frame, .force = {-d[0], -d[1], -d[2]}};
   w->mechanism = m;
   w->output = *output;
   w->joint = KM_ARENA_NEW(&w->arena, int, (size_t)m->model->joint_count);
@@ -54,16 +42,11 @@ static km_status create_parts(const km_mechanism *m, const km_port *input, const
   w->substructure = input->kind == KM_PORT_JOINT ? m->substructure_of[input->coordinate] : -1;
   if (w->substructure < 0)
     return KM_OK;
-  w->planar = is_planar(m, w->substructure);
+  w->planar = km_substructure_is_planar(m, w->substructure);
   for (int j = 0; j < m->model->joint_count && w->planar; ++j)
     if (is_listed(m, w->substructure, j))
       w->joint[w->count++] = j;
-  km_status status = km_forces_create_loads_only(m, &load, output->kind == KM_PORT_POINT, &w->forces, error);
-  if (!status)
-    status = km_statics_create(m, &input->coordinate, 1, KM_AXES_FIXED, &w->statics, error);
-  if (!status && output->kind == KM_PORT_JOINT)
-    w->forces->extra[output->coordinate] = -1.0;
-  return status;
+  return km_unit_load_create(m, input, output, &w->forces, &w->statics, error);
 }
 
 km_status km_joint_transmission_create(const km_mechanism *m, const km_port *input, const km_port *output,

@@ -49,6 +49,18 @@ km_status km_check_ports(const km_mechanism *m, const km_port *input, const km_p
   return status ? status : check_port(m, output, true, error);
 }
 
+km_status km_unit_load_create(const km_mechanism *m, const km_port *input, const km_port *output, km_forces **forces,
+                              km_statics *statics, km_error *error) {
+  const double *d = output->direction;
+  const km_load load = {.frame = output->frame, .force = {-d[0], -d[1], -d[2]}};
+  km_status status = km_forces_create_loads_only(m, &load, output->kind == KM_PORT_POINT, forces, error);
+  if (!status)
+    status = km_statics_create(m, &input->coordinate, input->kind == KM_PORT_JOINT, KM_AXES_FIXED, statics, error);
+  if (!status && output->kind == KM_PORT_JOINT)
+    (*forces)->extra[output->coordinate] = -1.0;
+  return status;
+}
+
 static bool is_angle(const km_model *model, const km_port *h) {
   return h->kind == KM_PORT_JOINT && h->coordinate >= 0 && h->coordinate < model->coordinate_count &&
          !km_model_coordinate_is_length(model, h->coordinate);

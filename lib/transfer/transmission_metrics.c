@@ -125,10 +125,6 @@ void km_transmission_free(km_transmission_workspace *w) {
   km_free(w);
 }
 
-static bool is_planar(const km_mechanism *m, const km_transmission_workspace *w) {
-  return m->programs[m->substructures[w->substructure].program_start].planar;
-}
-
 static km_vec3 joint_centre(const km_mechanism *m, const km_transmission_workspace *w, int joint) {
   const km_model_frame *frame = &m->model->frames[m->model->joints[joint].frame[0]];
   return km_pose_point(&w->pose[frame->body], frame->pose.p);
@@ -155,7 +151,7 @@ static void add_row(const double row[6], int rows, int *count, double *T) {
  * without normal force or moment about a direction of the plane. False if it is not unique. */
 static bool find_wrench(const km_mechanism *m, km_transmission_workspace *w, km_vec3 about, km_wrench *out) {
   const km_substructure *sub = &m->substructures[w->substructure];
-  bool planar = is_planar(m, w);
+  bool planar = km_substructure_is_planar(m, w->substructure);
   int rows = sub->columns - 2 + (planar ? 3 : 0), count = 0;
   double row[6];
   for (int k = 0; k < sub->columns; ++k) {
@@ -221,7 +217,8 @@ static double index_at(km_wrench w, km_twist s, km_vec3 P) {
 
 static bool is_point(const km_mechanism *m, const km_transmission_workspace *w, int joint) {
   km_joint_type type = m->model->joints[joint].type;
-  return type == KM_SPHERICAL || (is_planar(m, w) && (type == KM_RX || type == KM_RY || type == KM_RZ));
+  return type == KM_SPHERICAL ||
+         (km_substructure_is_planar(m, w->substructure) && (type == KM_RX || type == KM_RY || type == KM_RZ));
 }
 
 /* Virtual coefficient, and the indices of Sutherland-Roth (point: centre of the joint next to the output, if it is a
@@ -255,7 +252,7 @@ static void find_indices(const km_mechanism *m, const km_transmission_workspace 
 /* Computes the transmission angle: between the lines from the near to the far joint of the coupler and to the
  * output's axis. */
 static void find_angle(const km_mechanism *m, const km_transmission_workspace *w, km_transmission *out) {
-  bool is_rotational = w->joints == 4 && is_planar(m, w);
+  bool is_rotational = w->joints == 4 && km_substructure_is_planar(m, w->substructure);
   for (int i = 0; i < w->joints && is_rotational; ++i) {
     km_joint_type type = m->model->joints[w->ring[i]].type;
     is_rotational = type == KM_RX || type == KM_RY || type == KM_RZ;
@@ -295,7 +292,7 @@ static void find_condition(const km_mechanism *m, km_state *s, km_transmission_w
 static const char *no_wrench(const km_mechanism *m, const km_state *s, const km_transmission_workspace *w) {
   if (w->no_loop)
     return w->no_loop;
-  if (!is_planar(m, w) && km_factor_rank(s->factor[w->substructure]) < 6)
+  if (!km_substructure_is_planar(m, w->substructure) && km_factor_rank(s->factor[w->substructure]) < 6)
     return "the loop is overconstrained: the wrench isn't unique";
   return NULL;
 }
