@@ -7,7 +7,6 @@
 #include "spatial/wrench.h"
 
 #include <math.h>
-#include <string.h>
 
 /* A pivot of N_piv, forces per size, below this part of the largest one: the misfit's component is 50 times as large as
  * elsewhere, and the first order doesn't hold. */
@@ -47,13 +46,8 @@ static bool find_basis(const km_mechanism *m, km_state *s, int index, km_arena *
   out->N = KM_ARENA_NEW(arena, double, (size_t)out->rows *(size_t)out->count + 1);
   if (arena->failed)
     return false;
-  for (int i = 0; i < a->sub->loop_count; ++i)
-    for (int k = null.first[i]; k < null.first[i + 1]; ++k)
-      memcpy(out->N + (size_t)k * (size_t)out->rows + 6 * i, null.local + 6 * k, 6 * sizeof *out->N);
-  for (int n = 0; n < null.spanning_count; ++n)
-    for (int i = null.part_start[n]; i < null.part_start[n + 1]; ++i)
-      memcpy(out->N + (size_t)(null.local_count + n) * (size_t)out->rows + km_left_row(a, null.part[i].block),
-             null.part[i].w, (size_t)km_left_rows(a, null.part[i].block) * sizeof *out->N);
+  for (int k = 0; k < out->count; ++k)
+    km_left_null_expand(a, &null, k, out->N + (size_t)k * (size_t)out->rows);
   return true;
 }
 

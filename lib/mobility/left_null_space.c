@@ -41,3 +41,17 @@ void km_left_for_each_column(const km_left_space *a, int block, km_left_column_v
     }
   }
 }
+
+void km_left_null_expand(const km_left_space *a, const km_left_null *null, int k, double *v) {
+  int loop = 0, n = k - null->local_count;
+  memset(v, 0, (size_t)a->rows * sizeof *v);
+  if (n < 0) {
+    while (null->first[loop + 1] <= k)
+      ++loop;
+    memcpy(v + 6 * loop, null->local + 6 * k, 6 * sizeof *v);
+    return;
+  }
+  for (int i = null->part_start[n]; i < null->part_start[n + 1]; ++i)
+    memcpy(v + km_left_row(a, null->part[i].block), null->part[i].w,
+           (size_t)km_left_rows(a, null->part[i].block) * sizeof *v);
+}

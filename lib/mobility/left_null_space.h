@@ -48,6 +48,9 @@ static inline int km_left_null_count(const km_left_null *null) {
   return null->local_count + null->spanning_count;
 }
 
+/* Expands vector k to all rows of J, v[rows]; vectors of single loops come first. */
+void km_left_null_expand(const km_left_space *space, const km_left_null *null, int k, double *v);
+
 /* Visits the columns of one loop in J: six entries each, with the sign of the loop's direction through the joint. */
 typedef void (*km_left_column_visitor)(void *out, int column, const double entry[6]);
 void km_left_for_each_column(const km_left_space *space, int block, km_left_column_visitor visit, void *out);

@@ -13,17 +13,9 @@ enum { VECTORS_PER_BLOCK = 64 }; /* vectors per block */
 typedef struct comparison {
   const km_left_space *a;
   const km_left_null *null, *neighbour;
-  const double *local;
   km_sparse_qr *neighbour_span; /* QR factor of the neighbour's spanning vectors; NULL: they are orthonormal */
   double *v;                    /* [VECTORS_PER_BLOCK · rows] */
 } comparison;
-
-/* Writes the parts of spanning vector n into v[rows]. */
-static void scatter_parts(const comparison *c, const km_left_null *null, int n, double *v) {
-  for (int i = null->part_start[n]; i < null->part_start[n + 1]; ++i)
-    memcpy(v + km_left_row(c->a, null->part[i].block), null->part[i].w,
-           (size_t)km_left_rows(c->a, null->part[i].block) * sizeof *v);
-}
 
 /* Factors the neighbour's spanning vectors as columns of a sparse matrix (QR). */
 static km_status factor_neighbour_span(comparison *c, km_error *error) {
@@ -46,19 +38,6 @@ static km_status factor_neighbour_span(comparison *c, km_error *error) {
     columns.start[k + 1] = next;
   }
   return km_sparse_qr_factor(c->neighbour_span, km_relative_zero) ? KM_OK : KM_MEMORY;
-}
-
-/* Expands vector k to all rows; vectors of single loops come first. */
-static void expand_vector(const comparison *c, int k, double *v) {
-  memset(v, 0, (size_t)c->a->rows * sizeof *v);
-  if (k >= c->null->local_count) {
-    scatter_parts(c, c->null, k - c->null->local_count, v);
-    return;
-  }
-  int loop = 0;
-  while (c->null->first[loop + 1] <= k)
-    ++loop;
-  memcpy(v + 6 * loop, c->local + 6 * k, 6 * sizeof *v);
 }
 
 /* Returns the square of the projection of v on the neighbour's vectors of single loops. */
@@ -93,7 +72,7 @@ static bool compare_block(const comparison *c, int first, int count, bool *persi
   double size[VECTORS_PER_BLOCK], along[VECTORS_PER_BLOCK], span_squares[VECTORS_PER_BLOCK];
   for (int k = 0; k < count; ++k) {
     double *v = c->v + (size_t)k * rows;
-    expand_vector(c, first + k, v);
+    km_left_null_expand(c->a, c->null, first + k, v);
     size[k] = km_dot(v, v, c->a->rows);
     along[k] = square_along_single_loops(c, v) + (c->neighbour_span ? 0.0 : square_along_spanning(c, v));
   }
@@ -115,9 +94,9 @@ static bool compare_all(comparison *c, bool *persistent) {
   return ok;
 }
 
-km_status km_persistent_redundancy_find(const km_left_space *a, const km_left_null *null, const double *local,
-                                        const km_left_null *neighbour, bool *persistent, km_error *error) {
-  comparison c = {.a = a, .null = null, .neighbour = neighbour, .local = local};
+km_status km_persistent_redundancy_find(const km_left_space *a, const km_left_null *null, const km_left_null *neighbour,
+                                        bool *persistent, km_error *error) {
+  comparison c = {.a = a, .null = null, .neighbour = neighbour};
   if (km_left_null_count(neighbour) == km_left_null_count(null)) { /* equal numbers: all are persistent */
     memset(persistent, true, (size_t)km_left_null_count(null) * sizeof *persistent);
     return KM_OK;

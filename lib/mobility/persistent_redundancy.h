@@ -5,9 +5,8 @@
 #include "mobility/left_null_space.h"
 
 /* Marks the vectors that are also left null vectors at a neighbouring configuration: persistent[local_count +
- * spanning_count]. `local` are those of single loops, six entries each. KM_MEMORY, without a text; KM_IO: SPQR is not
- * installed, and a large substructure needs it. */
-km_status km_persistent_redundancy_find(const km_left_space *space, const km_left_null *null, const double *local,
+ * spanning_count]. KM_MEMORY, without a text; KM_IO: SPQR is not installed, and a large substructure needs it. */
+km_status km_persistent_redundancy_find(const km_left_space *space, const km_left_null *null,
                                         const km_left_null *neighbour, bool *persistent, km_error *error);
 
 #endif

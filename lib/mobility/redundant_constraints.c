@@ -19,7 +19,7 @@
 typedef struct redundancy_search {
   km_left_space space;
   km_left_null null, neighbour; /* vectors at the configuration and at a neighbouring one */
-  double *separated_local;      /* [6 · local_count] vectors of single loops, forces separated from moments */
+  km_left_null separated;       /* those at the configuration; in single loops forces are separated from moments */
   bool *persistent;             /* [local_count + spanning_count] */
   double *work;                 /* [2 · spanning_count] */
   km_redundancies *out;
@@ -107,9 +107,10 @@ static bool is_out_of_plane(const redundancy_search *f, const km_redundancy *ite
 /* Separates moments from forces in the vectors of every single loop. */
 static void separate_all_loops(redundancy_search *f) {
   const km_left_null *null = &f->null;
-  memcpy(f->separated_local, null->local, 6 * (size_t)null->local_count * sizeof *f->separated_local);
+  double *local = f->separated.local;
+  memcpy(local, null->local, 6 * (size_t)null->local_count * sizeof *local);
   for (int i = 0; i < f->space.sub->loop_count; ++i)
-    separate_moments(f->separated_local + 6 * null->first[i], null->first[i + 1] - null->first[i]);
+    separate_moments(local + 6 * null->first[i], null->first[i + 1] - null->first[i]);
 }
 
 /* Adds the redundancies of single loops. */
@@ -117,7 +118,7 @@ static bool add_single_loop_redundancies(const redundancy_search *f) {
   const km_topology *t = &f->space.m->topology;
   for (int i = 0; i < f->space.sub->loop_count; ++i)
     for (int k = f->null.first[i]; k < f->null.first[i + 1]; ++k) {
-      const double *w = f->separated_local + 6 * k;
+      const double *w = f->separated.local + 6 * k;
       km_redundancy item = {.substructure = f->space.index,
                             .loop = t->loop[t->loop_start[f->space.index] + i],
                             .loops = 1,
@@ -174,14 +175,14 @@ static km_status find_in_substructure(redundancy_search *f, km_arena *arena, km_
   if (km_left_null_count(&f->null) == 0)
     return KM_OK;
   f->work = KM_ARENA_NEW(arena, double, 2 * (size_t)f->null.spanning_count);
-  f->separated_local = KM_ARENA_NEW(arena, double, 6 * (size_t)f->null.local_count);
+  f->separated = f->null;
+  f->separated.local = KM_ARENA_NEW(arena, double, 6 * (size_t)f->null.local_count);
   f->persistent = KM_ARENA_NEW(arena, bool, (size_t)km_left_null_count(&f->null));
   bool found = find_neighbour_vectors(f, arena) && !arena->failed;
   if (!found)
     return KM_MEMORY;
   separate_all_loops(f);
-  km_status status =
-      km_persistent_redundancy_find(&f->space, &f->null, f->separated_local, &f->neighbour, f->persistent, error);
+  km_status status = km_persistent_redundancy_find(&f->space, &f->separated, &f->neighbour, f->persistent, error);
   return !status && !(add_single_loop_redundancies(f) && add_spanning_redundancies(f)) ? KM_MEMORY : status;
 }
 

@@ -73,9 +73,9 @@ static void check_lasting(const km_left_space *space, const km_left_null *null) 
   km_left_null nearby = *null;
   if (null->spanning_count && null->is_orthonormal) {
     nearby.spanning_count--;
-    assert_int_equal(km_persistent_redundancy_find(space, null, null->local, &nearby, by_sums, NULL), KM_OK);
+    assert_int_equal(km_persistent_redundancy_find(space, null, &nearby, by_sums, NULL), KM_OK);
     nearby.is_orthonormal = false;
-    assert_int_equal(km_persistent_redundancy_find(space, null, null->local, &nearby, by_qr, NULL), KM_OK);
+    assert_int_equal(km_persistent_redundancy_find(space, null, &nearby, by_qr, NULL), KM_OK);
     for (int k = 0; k < count; ++k) {
       assert_int_equal(by_sums[k], by_qr[k]);
       gone += !by_qr[k];
