@@ -56,19 +56,23 @@ static void check_reader(const km_model *model, const km_messages *messages, km_
   }
 }
 
-static void add_notes(km_messages *notes, const char *advice, km_findings *f) {
-  for (size_t i = 0; i < km_messages_count(notes); ++i)
-    add_finding(f, KM_FINDING_HINT, "geometry", advice, "%s", km_messages_text(notes, i));
-  f->store->failed = f->store->failed || !notes;
-  km_messages_free(notes);
+/* Adds messages as findings of one kind, and frees them. */
+static void add_messages(km_messages *messages, km_finding_severity severity, const char *kind, const char *advice,
+                         km_findings *f) {
+  for (size_t i = 0; i < km_messages_count(messages); ++i)
+    add_finding(f, severity, kind, advice, "%s", km_messages_text(messages, i));
+  f->store->failed = f->store->failed || !messages;
+  km_messages_free(messages);
 }
 
 static void check_geometry(const km_mechanism *m, km_state *s, km_findings *f) {
   km_messages *offsets = km_messages_create(), *rigid = km_messages_create();
   km_pin_offset_notes(m, offsets);
   km_nearly_movable_notes(m, s, rigid);
-  add_notes(offsets, "harmless for the motion; move a frame along its axis to state one point", f);
-  add_notes(rigid, "compare its numbers with the drawing; kmob info MODEL --closure-tolerance X shows how it moves", f);
+  add_messages(offsets, KM_FINDING_HINT, "geometry",
+               "harmless for the motion; move a frame along its axis to state one point", f);
+  add_messages(rigid, KM_FINDING_HINT, "geometry",
+               "compare its numbers with the drawing; kmob info MODEL --closure-tolerance X shows how it moves", f);
 }
 
 /* Moves a text into the findings' arena; "" without memory. */
@@ -152,13 +156,10 @@ static void check_finite(const km_mobility *mobility, const km_finite_mobility *
 static km_status check_ranks(const km_mechanism *m, km_state *s, km_findings *f, km_error *error) {
   km_messages *doubts = km_messages_create();
   km_status status = doubts ? km_rank_doubts(m, s, doubts, error) : KM_OK;
-  f->store->failed = f->store->failed || !doubts;
-  for (size_t i = 0; i < km_messages_count(doubts); ++i)
-    add_finding(f, KM_FINDING_WARNING, "doubtful-rank",
-                "compare with a pose nearby (kmob at --set); for rounded data try kmob convert --idealise, or state a "
-                "closure_tolerance",
-                "%s", km_messages_text(doubts, i));
-  km_messages_free(doubts);
+  add_messages(doubts, KM_FINDING_WARNING, "doubtful-rank",
+               "compare with a pose nearby (kmob at --set); for rounded data try kmob convert --idealise, or state a "
+               "closure_tolerance",
+               f);
   return status;
 }
 
@@ -240,19 +241,23 @@ static void check_length_unit(const km_mechanism *m, km_findings *f) {
                 m->length);
 }
 
+static bool has_mass(const km_model *model) {
+  bool found = false;
+  for (int b = 1; b < model->body_count; ++b)
+    found = found || model->bodies[b].mass > 0.0;
+  return found;
+}
+
 /* Warns of gravity outside 0.5 … 50 m/s² (Moon 1.6, Jupiter 25), and of masses without gravity. */
 static void check_gravity(const km_model *model, km_findings *f) {
   static const double least = 0.5, most = 50.0; /* m/s² */
   const km_units *u = &model->units;
   double unit = u->length->si / (u->time->si * u->time->si), size = km_vec3_norm(model->gravity);
-  bool weighs = false;
-  for (int b = 1; b < model->body_count; ++b)
-    weighs = weighs || model->bodies[b].mass > 0.0;
   if (size > 0.0 && (size * unit < least || size * unit > most))
     add_finding(f, KM_FINDING_WARNING, "gravity", "write it in the model's units",
                 "gravity is %.6g %s/%s², which is %.4g m/s²; the earth's is %.6g %s/%s²", size, u->length->suffix,
                 u->time->suffix, size * unit, 9.80665 / unit, u->length->suffix, u->time->suffix);
-  if (size == 0.0 && weighs && model->gravity_assumed)
+  if (size == 0.0 && has_mass(model) && model->gravity_assumed)
     add_finding(f, KM_FINDING_WARNING, "gravity",
                 "write \"gravity\" in model_parameters; [0, 0, 0] where none is meant",
                 "bodies have masses, and the file states no gravity: they have no weight");
@@ -273,10 +278,7 @@ static bool is_massless(const km_mechanism *m, int loop) {
 /* Warns of massless loops in substructures that can move without moving any mass. */
 static km_status check_masses(const km_mechanism *m, km_state *s, km_findings *f, km_error *error) {
   const km_topology *t = &m->topology;
-  bool has_mass = false;
-  for (int b = 1; b < m->model->body_count; ++b)
-    has_mass = has_mass || m->model->bodies[b].mass > 0.0;
-  for (int i = 0; i < t->substructure_count && has_mass; ++i) {
+  for (int i = 0; i < t->substructure_count && has_mass(m->model); ++i) {
     bool massless = false, is_massless_motion = false;
     for (int k = t->loop_start[i]; k < t->loop_start[i + 1]; ++k)
       massless = massless || is_massless(m, t->loop[k]);
