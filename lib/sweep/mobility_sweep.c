@@ -19,6 +19,7 @@ typedef struct sweep_events {
   km_observer observer;
   km_event_search search; /* zeros of the entries z of the candidates */
   km_events events;
+  km_arena arena;
   size_t rows;     /* rows of the table at the last call */
   bool *moved;     /* [coordinate] it moved at some row: coordinates at rest have no dead points */
   int *candidates; /* coordinates that can have dead points */
@@ -300,11 +301,7 @@ static void close_observer(void *self) {
   km_clearance_search_free(&w->clearances);
   km_event_search_free(&w->search);
   km_free(w->events.items);
-  km_free(w->moved);
-  km_free(w->candidates);
-  km_free(w->cell);
-  km_free(w->unread);
-  km_free(w->cell_coordinate);
+  km_arena_free(&w->arena);
   km_free(w);
 }
 
@@ -340,13 +337,12 @@ static bool reserve(sweep_events *w, const km_mechanism *m, const km_sweep_plan 
                                 .defers = true,
                                 .zero = km_relative_zero,
                                 .events = &w->events};
-  w->moved = KM_NEW(bool, count);
-  w->candidates = KM_NEW(int, count);
-  w->cell = KM_NEW(size_t, count);
-  w->unread = KM_NEW(bool, count);
-  w->cell_coordinate = KM_NEW(int, count + (size_t)m->model->joint_count);
-  if (!km_event_search_reserve(&w->search, m->coordinate_count, plan) || !w->moved || !w->candidates || !w->cell ||
-      !w->unread || !w->cell_coordinate || !w->out->extremes)
+  w->moved = KM_ARENA_NEW(&w->arena, bool, count);
+  w->candidates = KM_ARENA_NEW(&w->arena, int, count);
+  w->cell = KM_ARENA_NEW(&w->arena, size_t, count);
+  w->unread = KM_ARENA_NEW(&w->arena, bool, count);
+  w->cell_coordinate = KM_ARENA_NEW(&w->arena, int, count + (size_t)m->model->joint_count);
+  if (!km_event_search_reserve(&w->search, m->coordinate_count, plan) || w->arena.failed || !w->out->extremes)
     return false;
   for (size_t c = 0; c < count; ++c)
     w->out->extremes[c] = (km_extreme){HUGE_VAL, nan("")};
