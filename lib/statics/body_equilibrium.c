@@ -141,15 +141,18 @@ static double component(km_vec3 v, int axis) {
 }
 
 /* Adds the balance of a body about the frame of its arc: forces along the inertial axes, then moments over L. */
-static void balance_body(equation_builder *s, const km_statics_workspace *w, int body_index, const int *first,
-                         const int *incident) {
+static void balance_body(equation_builder *s, const km_statics_workspace *w, int body_index) {
   const equilibrium *e = s->e;
+  const km_topology *t = &e->m->topology;
+  const int body = e->body[body_index];
   double length = e->m->length;
-  km_vec3 about = w->frame[e->m->topology.arc[e->body[body_index]]].p;
+  km_vec3 about = w->frame[t->arc[body]].p;
   for (int equation = 0; equation < 6; ++equation) {
     int axis = equation % 3;
-    for (int n = first[body_index]; n < first[body_index + 1]; ++n) {
-      int j = incident[n];
+    for (int n = t->incident_start[body]; n < t->incident_start[body + 1]; ++n) {
+      if (t->substructure_of_joint[t->incident[n]] != e->index)
+        continue;
+      int j = w->joint_index[t->incident[n]];
       double sign = e->head[j] == body_index ? 1.0 : -1.0;
       const km_pose *X = &w->frame[e->joint[j]];
       km_vec3 arm = km_vec3_scale(1.0 / length, km_vec3_sub(X->p, about));
@@ -161,22 +164,6 @@ static void balance_body(equation_builder *s, const km_statics_workspace *w, int
         add_entry(s, 6 * j + 3 + k, sign * component(X->R.axis[k], axis));
     }
     close_equation(s);
-  }
-}
-
-/* Lists the joints of each body, ascending: first[bodies + 2], incident[2 · joints]. */
-static void list_incident(const equilibrium *e, int *first, int *incident) {
-  for (int j = 0; j < e->joints; ++j) {
-    first[e->head[j] + 2] += e->head[j] >= 0;
-    first[e->tail[j] + 2] += e->tail[j] >= 0;
-  }
-  for (int b = 0; b < e->bodies; ++b)
-    first[b + 2] += first[b + 1];
-  for (int j = 0; j < e->joints; ++j) {
-    if (e->head[j] >= 0)
-      incident[first[e->head[j] + 1]++] = j;
-    if (e->tail[j] >= 0)
-      incident[first[e->tail[j] + 1]++] = j;
   }
 }
 
@@ -250,30 +237,22 @@ static void add_combination_equation(equation_builder *s, const km_statics_works
   close_equation(s);
 }
 
-/* Assembles all equations; false without memory. */
-static bool assemble(equilibrium *e, const km_statics_workspace *w, const km_state *state, const double *r0) {
+/* Assembles all equations. */
+static void assemble(equilibrium *e, const km_statics_workspace *w, const km_state *state, const double *r0) {
   equation_builder s = {.e = e, .c = km_sparse_qr_columns(e->q), .r0 = r0};
-  int *first = KM_NEW(int, (size_t)e->bodies + 2), *incident = KM_NEW(int, 2 * (size_t)e->joints);
   e->equations = 0;
   memset(e->b, 0, (size_t)(6 * e->bodies + e->sub->columns) * sizeof *e->b);
-  if (first && incident) {
-    list_incident(e, first, incident);
-    for (int i = 0; i < e->bodies; ++i)
-      balance_body(&s, w, i, first, incident);
-  }
-  bool ok = first && incident;
-  km_free(first);
-  km_free(incident);
-  for (int k = 0; k < e->sub->columns && ok; ++k)
+  for (int i = 0; i < e->bodies; ++i)
+    balance_body(&s, w, i);
+  for (int k = 0; k < e->sub->columns; ++k)
     if (!e->coupled[k])
       add_motion_equation(&s, w, k);
   find_uncoupled_combinations(e, state);
-  for (int i = 0; i < e->free_count && ok; ++i)
+  for (int i = 0; i < e->free_count; ++i)
     add_combination_equation(&s, w, e->free + (size_t)i * (size_t)e->coupled_count);
   /* fewer equations for coupled motions: empty columns */
-  while (ok && e->equations < 6 * e->bodies + e->sub->columns)
+  while (e->equations < 6 * e->bodies + e->sub->columns)
     close_equation(&s);
-  return ok;
 }
 
 /* Marks the indeterminate components: those in which one of three random self-stresses has a part. */
@@ -299,8 +278,8 @@ int km_body_equilibrium_solve(equilibrium *e, const km_statics_workspace *w, con
                               double *carried, bool *indeterminate_out) {
   for (int i = 0; i < 6 * e->joints; ++i)
     e->x[i] = carried[i] / (i % 6 < 3 ? 1.0 : e->m->length);
-  if (!assemble(e, w, state, e->x) || !km_sparse_qr_factor(e->q, tolerance) ||
-      !km_sparse_qr_minimum_norm(e->q, e->b, e->x))
+  assemble(e, w, state, e->x);
+  if (!km_sparse_qr_factor(e->q, tolerance) || !km_sparse_qr_minimum_norm(e->q, e->b, e->x))
     return -1;
   for (int i = 0; i < 6 * e->joints; ++i)
     carried[i] = e->x[i] * (i % 6 < 3 ? 1.0 : e->m->length);

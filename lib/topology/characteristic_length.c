@@ -5,8 +5,6 @@
 
 #include "base/extrema.h"
 
-#include <string.h>
-
 /* Union-find of bodies connected by rigid joints, in parent[body]. */
 static void unite_rigid_bodies(const km_model *model, int *parent) {
   km_sets_create(parent, model->body_count);
@@ -16,19 +14,6 @@ static void unite_rigid_bodies(const km_model *model, int *parent) {
       parent[km_set_of(parent, model->frames[def->frame[0]].body)] =
           km_set_of(parent, model->frames[def->frame[1]].body);
   }
-}
-
-/* Sorts the joints' frames by body: those of body b are frame[first[b]] … frame[first[b + 1] - 1]. */
-static void sort_frames_by_body(const km_model *model, int *first, int *frame) {
-  for (int j = 0; j < model->joint_count; ++j)
-    for (int e = 0; e < 2; ++e)
-      first[km_joint_body(model, j, e) + 2]++;
-  for (int b = 0; b < model->body_count; ++b)
-    first[b + 2] += first[b + 1];
-  /* first[b + 1] is the index of the next frame of body b; in the end it is the first index of body b + 1. */
-  for (int j = 0; j < model->joint_count; ++j)
-    for (int e = 0; e < 2; ++e)
-      frame[first[km_joint_body(model, j, e) + 1]++] = model->joints[j].frame[e];
 }
 
 /* Rounding length of positions: 1e-14 of the largest coordinate. */
@@ -47,18 +32,24 @@ double km_squared_distance(km_vec3 a, km_vec3 b, double rounding_length) {
                                                                                                             : 0.0;
 }
 
+/* Position of a joint on a body, one of the two that it connects. */
+static km_vec3 place_of(const km_model *model, int joint, int body) {
+  int end = km_joint_body(model, joint, 0) != body;
+  return model->frames[model->joints[joint].frame[end]].pose.p;
+}
+
 /* Longest link over all moving bodies. */
-double km_longest_link(const km_model *model, const km_compile_workspace *workspace, double rounding_length) {
-  int *parent = workspace->parent, *first = workspace->first, *frame = workspace->frame;
+double km_longest_link(const km_mechanism *m, int *parent) {
+  const km_model *model = m->model;
+  const km_topology *t = &m->topology;
   double longest = 0.0;
-  memset(first, 0, ((size_t)model->body_count + 2) * sizeof *first);
   unite_rigid_bodies(model, parent);
-  sort_frames_by_body(model, first, frame);
   for (int b = 1; b < model->body_count; ++b)
-    for (int i = first[b]; i < first[b + 1] && km_set_of(parent, b) != km_set_of(parent, 0); ++i)
-      for (int k = first[b]; k < i; ++k)
-        longest = km_larger(
-            km_squared_distance(model->frames[frame[i]].pose.p, model->frames[frame[k]].pose.p, rounding_length),
-            longest);
+    for (int i = t->incident_start[b]; i < t->incident_start[b + 1] && km_set_of(parent, b) != km_set_of(parent, 0);
+         ++i)
+      for (int k = t->incident_start[b]; k < i; ++k)
+        longest = km_larger(km_squared_distance(place_of(model, t->incident[i], b), place_of(model, t->incident[k], b),
+                                                m->position_rounding),
+                            longest);
   return sqrt(longest);
 }

@@ -101,7 +101,7 @@ static void set_characteristic_length(km_mechanism *m, const km_compiling *optio
     m->length = model->characteristic_length;
     m->length_source = model->length_shared ? KM_LENGTH_SHARED : KM_LENGTH_STATED;
   } else {
-    double link = km_longest_link(model, workspace, m->position_rounding);
+    double link = km_longest_link(m, workspace->parent);
     m->length = link > 0.0 ? link : 1.0;
     m->length_source = link > 0.0 ? KM_LENGTH_LONGEST_LINK : KM_LENGTH_UNIT;
   }

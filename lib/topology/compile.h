@@ -12,7 +12,7 @@ typedef struct km_compile_workspace {
   km_pose *reference_pose;                            /* [slot] poses of a program's slots with all coordinates 0 */
   km_twist *twist;                                    /* [3 · steps] unit twists of one loop */
   int *next_column;                                   /* [substructure] next free column */
-  int *parent, *first, *frame;                        /* [body], [body + 2], [2 · joint] of km_longest_link */
+  int *parent;                                        /* [body] of km_longest_link */
   int current_stamp;                                  /* stamp of the present program */
 } km_compile_workspace;
 
@@ -33,8 +33,8 @@ double km_position_rounding(const km_model *model);
  * which files state coordinates. */
 double km_squared_distance(km_vec3 a, km_vec3 b, double rounding);
 /* Longest link: greatest distance between the frames of two joints on one moving body, in the model's unit. Bodies tied
- * to the inertial frame by rigid joints do not move. 0 for none. */
-double km_longest_link(const km_model *model, const km_compile_workspace *workspace, double rounding);
+ * to the inertial frame by rigid joints do not move. 0 for none. parent[body]: workspace. */
+double km_longest_link(const km_mechanism *mechanism, int *parent);
 /* Allocates the arrays of a mechanism with known topology, zeroed, and the workspace, in its arena. False when out of
  * memory. */
 bool km_compile_allocate(km_mechanism *mechanism, km_compile_workspace *workspace);

@@ -30,9 +30,7 @@ bool km_compile_workspace_create(const km_mechanism *m, size_t steps, km_arena *
                               .reference_pose = KM_ARENA_NEW(arena, km_pose, steps + 1),
                               .twist = KM_ARENA_NEW(arena, km_twist, 3 * steps),
                               .next_column = KM_ARENA_NEW(arena, int, (size_t)m->topology.substructure_count),
-                              .parent = KM_ARENA_NEW(arena, int, bodies),
-                              .first = KM_ARENA_NEW(arena, int, bodies + 2),
-                              .frame = KM_ARENA_NEW(arena, int, 2 * (size_t)m->model->joint_count)};
+                              .parent = KM_ARENA_NEW(arena, int, bodies)};
   return !arena->failed;
 }
 

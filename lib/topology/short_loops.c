@@ -18,7 +18,6 @@ typedef struct search_front {
 
 typedef struct cycle_finder {
   const km_graph *g;
-  const km_incidence *incidence;
   km_topology *t;
   bool *is_usable; /* [joint] may be used by other loops: tree joints and chords of earlier loops */
   search_front sides[2];
@@ -58,7 +57,7 @@ static void add_body(cycle_finder *f, search_front *s, int body, int joint) {
 static int front_cost(const cycle_finder *f, const search_front *s) {
   int sum = 0;
   for (int i = s->level_start; i < s->count; ++i)
-    sum += f->incidence->start[s->queue[i] + 1] - f->incidence->start[s->queue[i]];
+    sum += f->t->incident_start[s->queue[i] + 1] - f->t->incident_start[s->queue[i]];
   return sum;
 }
 
@@ -70,8 +69,8 @@ static int advance_front(cycle_finder *f, int which, int substructure, int *body
   int end = s->count;
   for (; s->level_start < end; ++s->level_start) {
     *body = s->queue[s->level_start];
-    for (int i = f->incidence->start[*body]; i < f->incidence->start[*body + 1]; ++i) {
-      int joint = f->incidence->item[i], next = opposite_body(f->g, joint, *body);
+    for (int i = f->t->incident_start[*body]; i < f->t->incident_start[*body + 1]; ++i) {
+      int joint = f->t->incident[i], next = opposite_body(f->g, joint, *body);
       if (!f->is_usable[joint] || f->t->substructure_of_joint[joint] != substructure ||
           s->stamp[next] == f->search_stamp)
         continue;
@@ -214,8 +213,8 @@ static bool is_needed(const km_topology *t) {
 }
 
 /* Replaces the loops of large substructures by shortest cycles. */
-bool km_find_short_loops(const km_graph *g, const km_incidence *incidence, km_arena *scratch, km_topology *t) {
-  cycle_finder f = {.g = g, .incidence = incidence, .t = t};
+bool km_find_short_loops(const km_graph *g, km_arena *scratch, km_topology *t) {
+  cycle_finder f = {.g = g, .t = t};
   int used = 0;
   if (!is_needed(t))
     return true;

@@ -6,20 +6,19 @@
 #include <string.h>
 
 /* Lists the joints at each body. */
-static void build_incidence(const km_graph *g, km_incidence *incidence) {
+static void list_incident(const km_graph *g, km_topology *t) {
+  int *start = t->incident_start;
   for (int j = 0; j < g->joint_count; ++j) {
-    incidence->start[g->edges[j].tail + 1]++;
-    incidence->start[g->edges[j].head + 1]++;
+    start[g->edges[j].tail + 2]++;
+    start[g->edges[j].head + 2]++;
   }
   for (int b = 0; b < g->body_count; ++b)
-    incidence->start[b + 1] += incidence->start[b];
-  for (int j = g->joint_count - 1; j >= 0; --j) {
-    incidence->item[--incidence->start[g->edges[j].tail + 1]] = j;
-    incidence->item[--incidence->start[g->edges[j].head + 1]] = j;
+    start[b + 2] += start[b + 1];
+  /* start[b + 1] is the position of body b's next joint while they are sorted, and its end afterwards. */
+  for (int j = 0; j < g->joint_count; ++j) {
+    t->incident[start[g->edges[j].tail + 1]++] = j;
+    t->incident[start[g->edges[j].head + 1]++] = j;
   }
-  /* start[b + 1] now contains the first item of b: it is moved to start[b]. */
-  memmove(incidence->start, incidence->start + 1, (size_t)g->body_count * sizeof *incidence->start);
-  incidence->start[g->body_count] = 2 * g->joint_count;
 }
 
 /* Unites the classes of a and b; the smallest number represents the class. False if they were one. */
@@ -41,7 +40,7 @@ static void choose_usable_joints(const km_graph *g, int *set, bool *is_usable) {
 }
 
 /* Breadth-first spanning tree of usable joints from the inertial frame. */
-static void build_tree(const km_graph *g, const km_incidence *incidence, const bool *is_usable, km_topology *t) {
+static void build_tree(const km_graph *g, const bool *is_usable, km_topology *t) {
   for (int b = 0; b < g->body_count; ++b)
     t->parent[b] = t->arc[b] = t->level[b] = -1;
   int tail = 1;
@@ -49,8 +48,8 @@ static void build_tree(const km_graph *g, const km_incidence *incidence, const b
   t->level[0] = 0;
   for (int head = 0; head < tail; ++head) {
     int body = t->order[head];
-    for (int i = incidence->start[body]; i < incidence->start[body + 1]; ++i) {
-      int joint = incidence->item[i];
+    for (int i = t->incident_start[body]; i < t->incident_start[body + 1]; ++i) {
+      int joint = t->incident[i];
       bool forward = g->edges[joint].tail == body;
       int next = forward ? g->edges[joint].head : g->edges[joint].tail;
       if (t->level[next] >= 0 || !is_usable[joint])
@@ -225,13 +224,13 @@ static bool allocate_arrays(const km_graph *g, km_arena *arena, km_topology *t) 
   t->loop = KM_ARENA_NEW(arena, int, joints);
   t->body_start = KM_ARENA_NEW(arena, int, joints + 2);
   t->body = KM_ARENA_NEW(arena, int, bodies);
+  t->incident_start = KM_ARENA_NEW(arena, int, bodies + 2);
+  t->incident = KM_ARENA_NEW(arena, int, 2 * joints);
   return !arena->failed;
 }
 
 /* Tree, chords, fundamental cycles, substructures, short cycles, loops through each joint. */
 static bool build(const km_graph *g, km_arena *arena, km_arena *scratch, km_topology *t) {
-  km_incidence incidence = {KM_ARENA_NEW(scratch, int, (size_t)g->body_count + 2),
-                            KM_ARENA_NEW(scratch, int, 2 * (size_t)g->joint_count)};
   int *set = KM_ARENA_NEW(scratch, int, (size_t)g->joint_count);
   int *class_of = KM_ARENA_NEW(scratch, int, (size_t)g->body_count);
   bool *is_in_substructure = KM_ARENA_NEW(scratch, bool, (size_t)g->joint_count);
@@ -239,9 +238,9 @@ static bool build(const km_graph *g, km_arena *arena, km_arena *scratch, km_topo
   if (scratch->failed || !allocate_arrays(g, arena, t))
     return false;
   int members;
-  build_incidence(g, &incidence);
+  list_incident(g, t);
   choose_usable_joints(g, class_of, is_usable);
-  build_tree(g, &incidence, is_usable, t);
+  build_tree(g, is_usable, t);
   find_chords(g, t, &members);
   t->member = KM_ARENA_NEW(arena, km_member, (size_t)members);
   if (arena->failed)
@@ -252,7 +251,7 @@ static bool build(const km_graph *g, km_arena *arena, km_arena *scratch, km_topo
   number_substructures(t, set, is_in_substructure);
   group_joints_and_loops(t);
   group_bodies(t, class_of);
-  return km_find_short_loops(g, &incidence, scratch, t) && list_joint_loops(t, arena);
+  return km_find_short_loops(g, scratch, t) && list_joint_loops(t, arena);
 }
 
 km_status km_topology_build(const km_graph *graph, km_arena *arena, km_topology *outward, km_error *error) {

@@ -61,6 +61,8 @@ typedef struct km_topology {
   int *joint;
   int *loop_start; /* [substructure + 1] into `loop` */
   int *loop;
+  int *incident_start; /* [body + 1] into `incident`: the joints at each body, in file order */
+  int *incident;
   int *joint_loop_start; /* [joint + 1] into `joint_loop`: the loops through each joint, ascending */
   km_joint_loop *joint_loop;
   int *body_start; /* [substructure + 1] into `body`: bodies whose tree joint lies in the substructure, in level
