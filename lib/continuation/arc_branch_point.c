@@ -105,9 +105,7 @@ static int find_branch_freedom(km_arc_motion *f) {
       break;
   }
   km_state_restore(f->c.state, sub, f->c.from);
-  km_loops_update(f->c.mechanism, f->c.state, sub);
-  km_search_pivots(f->c.mechanism, f->c.state, f->c.substructure, KM_NO_DRIVER,
-                   km_rank_tolerance(f->c.mechanism, sub, 0.0));
+  km_update_and_search_pivots(f->c.mechanism, f->c.state, f->c.substructure, KM_NO_DRIVER, 0.0);
   return freedom;
 }
 

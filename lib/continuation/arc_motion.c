@@ -45,8 +45,7 @@ static int find_most_mobile_column(const km_arc_motion *f) {
 /* Returns the first substructure with a freedom; -1: none. */
 static int find_mobile_substructure(const km_mechanism *m, km_state *s) {
   for (int i = 0; i < m->topology.substructure_count; ++i) {
-    km_loops_update(m, s, &m->substructures[i]);
-    km_search_pivots(m, s, i, KM_NO_DRIVER, km_rank_tolerance(m, &m->substructures[i], 0.0));
+    km_update_and_search_pivots(m, s, i, KM_NO_DRIVER, 0.0);
     if (km_factor_freedom(s->factor[i]) > 0)
       return i;
   }
@@ -55,11 +54,9 @@ static int find_mobile_substructure(const km_mechanism *m, km_state *s) {
 
 static km_status start_at_regular_configuration(km_arc_motion *f, int coordinate, double sign, km_error *error) {
   const km_mechanism *m = f->c.mechanism;
-  const km_substructure *sub = km_arc_motion_sub(f);
   if (!allocate(f))
     return km_fail(error, KM_MEMORY, "out of memory for following a motion");
-  km_loops_update(m, f->c.state, sub);
-  km_search_pivots(m, f->c.state, f->c.substructure, KM_NO_DRIVER, km_rank_tolerance(m, sub, 0.0));
+  km_update_and_search_pivots(m, f->c.state, f->c.substructure, KM_NO_DRIVER, 0.0);
   f->freedom = km_factor_freedom(f->c.state->factor[f->c.substructure]);
   if (!km_constant_rank_begin(&f->c.constant_rank, m, f->c.state, f->c.substructure, KM_NO_DRIVER, &f->arena))
     return km_fail(error, KM_MEMORY, "out of memory for following a motion");
