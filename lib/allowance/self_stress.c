@@ -170,12 +170,6 @@ static bool measure_components(basis *b, const km_misfit_component *component, k
   return true;
 }
 
-/* Origin of the joint's child frame in the inertial frame. */
-static km_vec3 child_origin(const km_left_space *a, int joint) {
-  const km_model_frame *frame = &a->m->model->frames[a->m->model->joints[joint].frame[1]];
-  return km_pose_point(&a->s->pose[frame->body], frame->pose.p);
-}
-
 /* Wrench that joint j carries in one self-stress, about the inertial origin. */
 static km_wrench joint_wrench(const basis *b, int joint, int column) {
   const km_left_space *a = &b->space;
@@ -211,7 +205,8 @@ static void write_column(const basis *b, int joint, int column, double *wrench) 
   const km_left_space *a = &b->space;
   km_pose pose = km_joint_pose(a->m, a->s, joint);
   km_wrench w = joint_wrench(b, joint, column);
-  km_wrench child = km_wrench_about(w, child_origin(a, joint)), parent = km_wrench_about(w, pose.p);
+  km_vec3 child_origin = km_frame_origin(a->m->model, a->s->pose, a->m->model->joints[joint].frame[1]);
+  km_wrench child = km_wrench_about(w, child_origin), parent = km_wrench_about(w, pose.p);
   remove_free_components(a, joint, &child);
   remove_free_components(a, joint, &parent);
   child = km_wrench_rotate_back(&pose.R, child);

@@ -164,8 +164,7 @@ void km_frame_position(const km_mechanism *m, const km_state *s, int frame, doub
   position[0] = position[1] = position[2] = nan("");
   if (!km_state_belongs_to(m, s) || frame < 0 || frame >= m->model->frame_count)
     return;
-  const km_model_frame *def = &m->model->frames[frame];
-  km_vec3 p = km_pose_point(&s->pose[def->body], def->pose.p);
+  km_vec3 p = km_frame_origin(m->model, s->pose, frame);
   km_vec3_write(p, position);
 }
 

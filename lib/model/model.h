@@ -324,6 +324,12 @@ static inline int km_joint_body(const km_model *model, int joint, int end) {
   return model->frames[model->joints[joint].frame[end]].body;
 }
 
+/* Origin of a frame by the poses of all bodies, pose[body]. */
+static inline km_vec3 km_frame_origin(const km_model *model, const km_pose *pose, int frame) {
+  const km_model_frame *own = &model->frames[frame];
+  return km_pose_point(&pose[own->body], own->pose.p);
+}
+
 /* Factor from mass · acceleration in the model's units to the model's force unit. */
 double km_inertial_factor(const km_model *model);
 

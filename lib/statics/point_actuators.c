@@ -17,9 +17,8 @@ void km_point_each_mover(const km_mechanism *m, const km_port *point, km_mover_v
 
 /* Returns the wrench of a point's unit force about the forces' origin. */
 static km_wrench unit_push(const km_mechanism *m, const km_forces *f, const km_port *point) {
-  const km_model_frame *frame = &m->model->frames[point->frame];
   km_vec3 d = km_vec3_from_array(point->direction), none = {0, 0, 0};
-  return km_wrench_at(d, none, km_pose_point(&f->pose[frame->body], frame->pose.p));
+  return km_wrench_at(d, none, km_frame_origin(m->model, f->pose, point->frame));
 }
 
 typedef struct row {

@@ -89,9 +89,8 @@ static void set_frame(const km_mechanism *m, const km_forces *f, int joint, km_a
 
 /* Returns the reaction of a tree joint without loops: the parent holds the loads of the child's subtree. */
 static km_wrench tree_reaction(const km_mechanism *m, const km_statics_workspace *w, int joint) {
-  const km_model_joint *def = &m->model->joints[joint];
   bool is_reversed = m->topology.is_reversed[joint];
-  int body = m->model->frames[def->frame[!is_reversed]].body;
+  int body = km_joint_body(m->model, joint, !is_reversed);
   if (m->topology.arc[body] != joint)
     return (km_wrench){{0, 0, 0}, {0, 0, 0}}; /* a chord */
   return km_wrench_axpy(is_reversed ? 1.0 : -1.0, w->subtree[body], (km_wrench){{0, 0, 0}, {0, 0, 0}});
@@ -144,8 +143,7 @@ static void compute_small_substructure(const km_mechanism *m, const km_state *s,
                                        km_statics *st) {
   km_statics_workspace *w = st->work;
   km_reaction_workspace *c = &w->reactions_of[index];
-  const km_model_frame *frame = &m->model->frames[m->model->joints[c->joint[0]].frame[0]];
-  km_vec3 about = km_pose_point(&f->pose[frame->body], frame->pose.p);
+  km_vec3 about = km_frame_origin(m->model, f->pose, m->model->joints[c->joint[0]].frame[0]);
   solve_chords(m, s, index, about, w);
   for (int j = 0; j < c->joints; ++j)
     c->arm[j] = km_vec3_sub(w->frame[c->joint[j]].p, about);

@@ -67,9 +67,8 @@ km_status km_sweeper_columns(const km_sweeper *r, km_error *error) {
 /* Computes the velocity of a frame's origin per unit of s. */
 static void point_rates(const km_sweeper *r, int frame, double out[3]) {
   const km_mechanism *m = r->m;
-  const km_model_frame *def = &m->model->frames[frame];
-  km_vec3 p = km_pose_point(&r->s->pose[def->body], def->pose.p);
-  km_vec3 v = km_point_velocity(km_body_twist(m, r->s, def->body, r->rates), p);
+  km_twist t = km_body_twist(m, r->s, m->model->frames[frame].body, r->rates);
+  km_vec3 v = km_point_velocity(t, km_frame_origin(m->model, r->s->pose, frame));
   km_vec3_write(v, out);
 }
 

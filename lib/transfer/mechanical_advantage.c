@@ -184,9 +184,8 @@ const double *km_transfer_rates(const km_transfer *l) {
 
 static void point_row(const km_mechanism *m, const km_state *s, const km_transfer *l, km_transfer_end *end) {
   const km_topology *t = &m->topology;
-  const km_model_frame *frame = &m->model->frames[end->port.frame];
-  km_vec3 p = km_pose_point(&l->pose[frame->body], frame->pose.p), direction = km_vec3_from_array(end->port.direction);
-  for (int body = frame->body; body > 0; body = t->parent[body]) {
+  km_vec3 p = km_frame_origin(m->model, l->pose, end->port.frame), direction = km_vec3_from_array(end->port.direction);
+  for (int body = m->model->frames[end->port.frame].body; body > 0; body = t->parent[body]) {
     int joint = t->arc[body], first = m->model->joints[joint].first_coordinate;
     for (int c = first; c < first + km_model_freedom(m->model, joint); ++c) {
       km_twist h = km_coordinate_twist_about(m, s, l->pose, c);

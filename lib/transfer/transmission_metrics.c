@@ -126,8 +126,7 @@ void km_transmission_free(km_transmission_workspace *w) {
 }
 
 static km_vec3 joint_centre(const km_mechanism *m, const km_transmission_workspace *w, int joint) {
-  const km_model_frame *frame = &m->model->frames[m->model->joints[joint].frame[0]];
-  return km_pose_point(&w->pose[frame->body], frame->pose.p);
+  return km_frame_origin(m->model, w->pose, m->model->joints[joint].frame[0]);
 }
 
 /* Returns the hinge axis of a planar loop. */

@@ -115,8 +115,7 @@ static void draw_ghosts(km_studio *s) {
 }
 
 km_spot km_trace_spot(const km_scene *scene, const km_drawing_trace *trace) {
-  const km_model_frame *frame = &scene->mechanism->model->frames[trace->frame];
-  return km_project(scene->view, km_pose_point(&scene->pose[frame->body], frame->pose.p));
+  return km_project(scene->view, km_frame_origin(scene->mechanism->model, scene->pose, trace->frame));
 }
 
 static int trace_colour(const km_studio *s, const km_drawing_trace *trace) {
