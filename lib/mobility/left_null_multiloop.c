@@ -78,12 +78,6 @@ static void write_column(void *out, int column, const double entry[6]) {
   R->next++;
 }
 
-static void count_column(void *out, int column, const double entry[6]) {
-  (void)column;
-  (void)entry;
-  ++*(int *)out;
-}
-
 /* Writes a coupling's terms into its compressed row; NULL arrays: counts them only. Returns how many have a column. */
 static int write_coupling_row(const reduced_matrix *R, int index, double *entries, int *column) {
   const km_left_space *a = R->a;
@@ -108,11 +102,8 @@ static bool count_entries(reduced_matrix *R, km_arena *scratch) {
   if (!R->start)
     return false;
   for (int i = 0; i < sub->loop_count + sub->coupling_count; ++i) {
-    int columns = 0;
-    if (i < sub->loop_count)
-      km_left_for_each_column(R->a, i, count_column, &columns);
-    else
-      columns = write_coupling_row(R, i - sub->loop_count, NULL, NULL);
+    int columns =
+        i < sub->loop_count ? km_left_column_count(R->a, i) : write_coupling_row(R, i - sub->loop_count, NULL, NULL);
     for (int r = R->first[i]; r < R->first[i + 1]; ++r)
       R->start[r + 1] = R->start[r] + columns;
   }

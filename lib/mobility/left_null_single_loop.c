@@ -16,17 +16,10 @@ static void write_column(void *out, int column, const double entry[6]) {
   T->next++;
 }
 
-static void count_column(void *out, int column, const double entry[6]) {
-  (void)column;
-  (void)entry;
-  ++*(int *)out;
-}
-
 /* Computes the left null vectors W[6 × returned] of one loop; -1: no memory. */
 static int solve_loop(const km_left_space *a, int block, double *W) {
   km_arena scratch = {0};
-  int columns = 0;
-  km_left_for_each_column(a, block, count_column, &columns);
+  int columns = km_left_column_count(a, block);
   transposed T = {KM_ARENA_NEW(&scratch, double, 6 * (size_t)columns), columns, 0};
   double *found = NULL;
   int count = -1;

@@ -42,6 +42,18 @@ void km_left_for_each_column(const km_left_space *a, int block, km_left_column_v
   }
 }
 
+static void count_column(void *out, int column, const double entry[6]) {
+  (void)column;
+  (void)entry;
+  ++*(int *)out;
+}
+
+int km_left_column_count(const km_left_space *a, int block) {
+  int count = 0;
+  km_left_for_each_column(a, block, count_column, &count);
+  return count;
+}
+
 void km_left_null_expand(const km_left_space *a, const km_left_null *null, int k, double *v) {
   int loop = 0, n = k - null->local_count;
   memset(v, 0, (size_t)a->rows * sizeof *v);
