@@ -53,9 +53,8 @@ static void compute_advantage(const sweep_events *w, const km_sweeper *r, km_adv
     km_transfer_along(r->m, r->s, w->transfer, km_sweeper_batched_rates(r), out);
     return;
   }
-  const km_substructure *sub = r->substructure >= 0 ? &r->m->substructures[r->substructure] : NULL;
-  bool at_branch_point = sub && km_factor_freedom(r->s->factor[r->substructure]) > r->out->freedom &&
-                         w->transfer->moves[r->m->column_coordinate[sub->column_start]];
+  bool at_branch_point = km_sweeper_has_more_freedoms(r) &&
+                         w->transfer->moves[r->m->column_coordinate[r->m->substructures[r->substructure].column_start]];
   if (at_branch_point && w->has_rates)
     km_transfer_along(r->m, r->s, w->transfer, r->rates, out);
   else

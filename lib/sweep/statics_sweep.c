@@ -90,15 +90,10 @@ static double force_above_rounding(const sweep_events *w, const km_mechanism *m,
   return fabs(force) <= size ? 0.0 : force;
 }
 
-/* True if the configuration has more freedoms than the motion (branch point): no actuator holds them. */
-static bool has_more_freedoms(const km_sweeper *r) {
-  return r->substructure >= 0 && km_factor_freedom(r->s->factor[r->substructure]) > r->out->freedom;
-}
-
 static void compute_values(void *self, km_sweeper *r, double *n, double *d) {
   sweep_events *w = self;
   km_sweeper_update_motions(r);
-  if (has_more_freedoms(r)) {
+  if (km_sweeper_has_more_freedoms(r)) { /* no actuator holds them */
     for (int i = 0; i < w->search.count; ++i)
       n[i] = nan("");
     return;
@@ -131,7 +126,7 @@ static km_status add_start_pole(sweep_events *w, km_error *error) {
 static km_status sample_forces(sweep_events *w, km_sweeper *r, double s, km_error *error) {
   if (w->statics->work->arena.failed)
     return km_fail(error, KM_MEMORY, "out of memory for the balance");
-  if (has_more_freedoms(r))
+  if (km_sweeper_has_more_freedoms(r))
     return KM_OK;
   bool has_sample = km_event_search_has_sample(&w->search);
   w->gained_freedoms = false;

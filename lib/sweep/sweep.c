@@ -98,10 +98,9 @@ km_step_observer km_sweeper_step_observer(km_sweeper *r) {
 }
 
 bool km_sweeper_is_at_branch_point(km_sweeper *r) {
-  if (r->substructure < 0)
-    return false;
-  km_motions_update(r->m, r->s, r->substructure);
-  return km_factor_freedom(r->s->factor[r->substructure]) > r->out->freedom;
+  if (r->substructure >= 0)
+    km_motions_update(r->m, r->s, r->substructure);
+  return km_sweeper_has_more_freedoms(r);
 }
 
 double km_sweeper_end_sample(double s, double end, int k) {
