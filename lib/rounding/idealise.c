@@ -381,14 +381,6 @@ static km_status examine(km_model *model, int index, const shared_data *shared, 
   return status;
 }
 
-/* The model's holds; NULL when out of memory. */
-static km_hold *list_holds(const km_model *model) {
-  km_hold *holds = KM_NEW(km_hold, (size_t)model->hold_count + 1);
-  for (int i = 0; holds && i < model->hold_count; ++i)
-    holds[i] = (km_hold){model->holds[i].coordinate, model->holds[i].value};
-  return holds;
-}
-
 static void set_tolerance(km_model *model, double tolerance, bool is_given) {
   model->closure_tolerance = tolerance;
   model->closure_tolerance_given = is_given;
@@ -423,7 +415,7 @@ static km_status prepare(km_model *model, km_arena *arena, shared_data *out, km_
 
 static km_status examine_all(km_model *model, bool regular, result *r, km_messages *messages, km_error *error) {
   km_arena arena = {0};
-  km_hold *holds = list_holds(model);
+  km_hold *holds = km_model_list_holds(model);
   double inferred = model->closure_tolerance;
   if (model->closure_tolerance_inferred)
     set_tolerance(model, km_relative_zero, false);

@@ -448,6 +448,13 @@ static km_status check_holds(const km_model *model, const km_hold *holds, int co
   return status;
 }
 
+km_hold *km_model_list_holds(const km_model *model) {
+  km_hold *holds = KM_NEW(km_hold, (size_t)model->hold_count + 1);
+  for (int i = 0; holds && i < model->hold_count; ++i)
+    holds[i] = (km_hold){model->holds[i].coordinate, model->holds[i].value};
+  return holds;
+}
+
 km_status km_mechanism_compile_as(const km_model *model, const km_compiling *options, km_mechanism **out,
                                   km_error *error) {
   *out = NULL;

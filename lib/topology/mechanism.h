@@ -198,6 +198,9 @@ typedef struct km_compiling {
   bool cuts_balls; /* loops are cut at ball joints where they can be, not where the breadth-first tree ends */
 } km_compiling;
 
+/* The holds of a model; NULL when out of memory. The caller frees them. */
+km_hold *km_model_list_holds(const km_model *model);
+
 /* Options that compile the model of m as m was compiled; its holds are borrowed. */
 static inline km_compiling km_mechanism_options(const km_mechanism *m) {
   return (km_compiling){.holds = m->holds,

@@ -97,11 +97,9 @@ static km_status check_changed(const set_search *f, km_error *error) {
   km_state *s = NULL;
   km_mobility found = {0};
   km_status status = km_changed_model(f->m, f->values, f->out, &model, error);
-  km_hold *holds = status ? NULL : KM_NEW(km_hold, (size_t)model->hold_count + 1);
+  km_hold *holds = status ? NULL : km_model_list_holds(model);
   if (!status && !holds)
     status = km_fail(error, KM_MEMORY, "out of memory for the set of remedies");
-  for (int i = 0; !status && i < model->hold_count; ++i)
-    holds[i] = (km_hold){model->holds[i].coordinate, model->holds[i].value};
   if (!status)
     status = km_mechanism_compile(model, holds, model->hold_count, &m, error);
   if (!status)
