@@ -56,10 +56,6 @@ void km_arc_motion_move_to_branch_point(km_arc_motion *f, double *tangent) {
   km_state_invalidate_pivots(f->c.state, f->c.substructure);
 }
 
-void km_arc_motion_continue(km_arc_motion *f) {
-  km_loops_restore_cached(f->c.mechanism, f->c.state, f->c.substructure, f->c.from);
-}
-
 /* Sets the tangent to sense · direction, normalised, and clears the history. */
 static void set_direction(km_arc_motion *f, const double *direction, double sense) {
   double size = sense * km_step_length(f->c.mechanism, km_arc_motion_sub(f), direction);

@@ -70,10 +70,8 @@ double km_arc_motion_branch_function_after_step(km_arc_motion *follow);
 bool km_arc_motion_locate_branch(km_arc_motion *follow, double length, double g_end);
 
 /* Moves the state to the branch point passed last; `tangent` is that of the smooth motion. Then
- * km_arc_motion_take_branch or km_arc_motion_continue. */
+ * km_arc_motion_take_branch or, on the smooth motion, km_arc_motion_restore. */
 void km_arc_motion_move_to_branch_point(km_arc_motion *follow, double *tangent);
-/* Returns the state to the present configuration of the smooth motion. */
-void km_arc_motion_continue(km_arc_motion *follow);
 /* Continues from the branch point along another direction (scaled step). */
 void km_arc_motion_take_branch(km_arc_motion *follow, const double *direction);
 /* Starts at a branch point along the direction, of directions[count × columns] (scaled steps), nearest to the one

@@ -93,7 +93,7 @@ static km_motion_end move_tree_joint(km_driver_motion *d, double target) {
   int c = d->c.coordinate;
   double factor = km_model_coordinate_factor(m->model, c), now = d->c.state->q[c], q = target * factor;
   km_motion_end reach = {KM_STOP_NONE, target, -1, -1};
-  double slack = 1e-12 * (1.0 + fabs(q));
+  double slack = km_driver_motion_slack(q);
   double end = q > now ? fmax(m->high[c], now) : fmin(m->low[c], now);
   if (!d->c.ignore_limits && (q > now ? q > end + slack : q < end - slack)) {
     reach = (km_motion_end){KM_STOP_LIMIT, end / factor, -1, c};

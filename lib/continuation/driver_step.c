@@ -10,10 +10,6 @@
 #include "kinematics/loop_closing.h"
 #include "kinematics/loop_equations.h"
 
-static void remember_pivots(km_driver_motion *d) {
-  km_step_history_set_reference(&d->c.history, d->c.state->factor[d->c.substructure]);
-}
-
 bool km_driver_motion_start(km_driver_motion *d) {
   const km_substructure *sub = km_driver_motion_substructure(d);
   km_loops_update(d->c.mechanism, d->c.state, sub);
@@ -23,7 +19,7 @@ bool km_driver_motion_start(km_driver_motion *d) {
                       km_rank_tolerance(d->c.mechanism, sub, residual));
   km_constant_rank_begin(&d->c.constant_rank, d->c.mechanism, d->c.state, d->c.substructure, d->c.column, &d->arena);
   d->current.known = km_continuation_tangent(&d->c, NULL, d->c.history.t);
-  remember_pivots(d);
+  km_step_history_set_reference(&d->c.history, d->c.state->factor[d->c.substructure]);
   km_step_history_begin(&d->c.history, km_driver_motion_substructure(d)->columns);
   return d->current.known;
 }

@@ -222,7 +222,7 @@ static bool note_branch_point(circuit_search *f, km_arc_motion *motion, int node
     return true;
   km_arc_motion_move_to_branch_point(motion, f->s->work);
   bool is_ok = add_branch_point(f, node);
-  km_arc_motion_continue(motion);
+  km_arc_motion_restore(motion);
   return is_ok;
 }
 

@@ -73,7 +73,7 @@ static km_status handle_branch_point(km_sweeper *r, km_arc_motion *motion, km_er
     if (r->observer->corner)
       r->observer->corner(r->observer->self);
   } else {
-    km_arc_motion_continue(motion);
+    km_arc_motion_restore(motion);
   }
   km_free(directions);
   return status || !may_switch || branch ? status : fail_unknown_branch(r->plan->branch, &point, error);
