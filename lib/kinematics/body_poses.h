@@ -5,8 +5,8 @@
 #include "kinematics/state.h"
 #include "kmech/mechanism.h"
 
-/* Twist of a body in the inertial frame, at its origin, from the rates of all coordinates (radians, model's length): the
- * sum of the joints' twists along the spanning tree. After km_poses_compute. */
+/* Twist of a body in the inertial frame, at its origin, from the rates of all coordinates (radians, model's length):
+ * the sum of the joints' twists along the spanning tree. After km_poses_compute. */
 km_twist km_body_twist(const km_mechanism *mechanism, const km_state *state, int body, const double *rates);
 
 /* Updates the poses of the bodies whose tree joints belong to a substructure, from the pose of its base. Other bodies

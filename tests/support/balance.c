@@ -129,13 +129,6 @@ void law_least_norm(fixture *f, randomness *r) {
   balance_close(&b);
 }
 
-static km_twist twist_of(const balance *b, int body, const double *rates) {
-  km_twist t = {{0, 0, 0}, {0, 0, 0}};
-  for (; body > 0; body = b->f->mechanism->topology.parent[body])
-    t = km_twist_axpy(1.0, km_body_twist(b->f->mechanism, b->f->state, body, rates), t);
-  return t;
-}
-
 /* Loads, springs and actuators have no power in any free motion: the drives' tangents are some. */
 void law_virtual_work(fixture *f, randomness *r) {
   balance b = balance_open(f, r, KM_AXES_JOINT);
@@ -153,7 +146,7 @@ void law_virtual_work(fixture *f, randomness *r) {
       }
       for (int body = 1; body < b.f->model->body_count; ++body) {
         km_wrench w = applied_to(b.forces, body);
-        km_twist t = twist_of(&b, body, rates);
+        km_twist t = km_body_twist(b.f->mechanism, b.f->state, body, rates);
         power += km_wrench_power(w, t);
         size += km_vec3_norm(w.f) * km_vec3_norm(t.v) + km_vec3_norm(w.t) * km_vec3_norm(t.w);
       }

@@ -60,17 +60,14 @@ static void go_on(const km_mechanism *m, km_state *s, const km_state *from, doub
 
 /* Momenta of all bodies about the inertial origin. */
 static void momenta(const km_mechanism *m, km_state *s, km_wrench *out) {
-  km_twist *V = (km_twist *)calloc((size_t)m->topology.body_count, sizeof *V);
   km_poses_compute(m, s);
   for (int i = 0; i < m->topology.body_count - 1; ++i) {
     int b = m->arcs[i].body;
     const km_model_body *def = &m->model->bodies[b];
-    V[b] = km_twist_axpy(1.0, km_body_twist(m, s, b, s->rate), V[m->arcs[i].parent]);
     km_inertia own = km_inertia_of_body(def->mass, def->center_of_mass, def->inertia);
     km_inertia there = km_inertia_transform(&s->pose[b], &own);
-    out[b] = km_inertia_times(&there, V[b]);
+    out[b] = km_inertia_times(&there, km_body_twist(m, s, b, s->rate));
   }
-  free(V);
 }
 
 /* Residue of a body's weight and rate of momentum, and the size of both. */
@@ -82,17 +79,15 @@ typedef struct balance {
 /* Power of the residual wrenches and joint forces over rates. */
 static double power(const moving *m, const balance *body, const double *rates, double *largest) {
   const km_mechanism *mech = m->f.mechanism;
-  km_twist *V = (km_twist *)calloc((size_t)mech->topology.body_count, sizeof *V);
   double sum = 0.0;
   for (int i = 0; i < mech->topology.body_count - 1; ++i) {
     int b = mech->arcs[i].body;
-    V[b] = km_twist_axpy(1.0, km_body_twist(mech, m->f.state, b, rates), V[mech->arcs[i].parent]);
-    sum += km_wrench_power(body[b].rest, V[b]);
-    *largest = fmax(*largest, body[b].force * km_vec3_norm(V[b].v) + body[b].moment * km_vec3_norm(V[b].w));
+    km_twist V = km_body_twist(mech, m->f.state, b, rates);
+    sum += km_wrench_power(body[b].rest, V);
+    *largest = fmax(*largest, body[b].force * km_vec3_norm(V.v) + body[b].moment * km_vec3_norm(V.w));
   }
   for (int c = 0; c < mech->coordinate_count; ++c)
     sum += km_forces_in_joint(m->forces, c) * rates[c];
-  free(V);
   return sum;
 }
 

@@ -1,4 +1,4 @@
-/* Disjoint sets (union-find with path halving): a set is a tree of parents, represented by its root (R. Tarjan 1975). */
+/* Disjoint sets (union-find with path halving, R. Tarjan 1975): trees of parents, whose roots stand for the sets. */
 #ifndef KM_BASE_NUMBER_UNION_FIND_H
 #define KM_BASE_NUMBER_UNION_FIND_H
 
