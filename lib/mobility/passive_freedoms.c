@@ -30,14 +30,6 @@ typedef struct body_groups {
   int *row_index;      /* [rows] index of each row among those of the present group; -1: none */
 } body_groups;
 
-static bool is_coupled(const km_model *model, int joint) {
-  for (int i = 0; i < model->coupling_count; ++i)
-    for (int k = 0; k < model->couplings[i].count; ++k)
-      if (model->coordinates[model->couplings[i].coordinates[k]].joint == joint)
-        return true;
-  return false;
-}
-
 static void unite(const body_groups *g, int a, int b) {
   int absorbed = km_set_of(g->parent, a), to = km_set_of(g->parent, b);
   g->parent[absorbed] = to;
@@ -51,7 +43,7 @@ static void unite_across_simple_joints(const body_groups *g) {
   const km_topology *t = &g->m->topology;
   for (int i = t->joint_start[g->index]; i < t->joint_start[g->index + 1]; ++i) {
     int j = t->joint[i];
-    if (km_joint_kind_of(model->joints[j].type)->freedom <= 1 || is_coupled(model, j))
+    if (km_joint_kind_of(model->joints[j].type)->freedom <= 1 || km_joint_is_coupled(model, j))
       unite(g, km_joint_body(model, j, 0), km_joint_body(model, j, 1));
   }
 }

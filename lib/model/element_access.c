@@ -148,6 +148,14 @@ double km_model_pose_value(const km_model *model, int pose, int coordinate) {
   return (double)NAN;
 }
 
+bool km_joint_is_coupled(const km_model *model, int joint) {
+  for (int i = 0; i < model->coupling_count; ++i)
+    for (int k = 0; k < model->couplings[i].count; ++k)
+      if (model->coordinates[model->couplings[i].coordinates[k]].joint == joint)
+        return true;
+  return false;
+}
+
 bool km_model_coordinate_is_length(const km_model *model, int coordinate) {
   if (!model || coordinate < 0 || coordinate >= model->coordinate_count)
     return false;

@@ -324,6 +324,9 @@ static inline int km_joint_body(const km_model *model, int joint, int end) {
   return model->frames[model->joints[joint].frame[end]].body;
 }
 
+/* True if a coupling contains a coordinate of the joint. */
+bool km_joint_is_coupled(const km_model *model, int joint);
+
 /* Origin of a frame by the poses of all bodies, pose[body]. */
 static inline km_vec3 km_frame_origin(const km_model *model, const km_pose *pose, int frame) {
   const km_model_frame *own = &model->frames[frame];

@@ -246,14 +246,6 @@ static bool in_loop(const km_written *w, int joint, int *leader) {
   return km_set_of(leader, m->frames[def->frame[0]].body) == km_set_of(leader, m->frames[def->frame[1]].body);
 }
 
-static bool is_coupled(const km_model *m, int joint) {
-  for (int i = 0; i < m->coupling_count; ++i)
-    for (int k = 0; k < m->couplings[i].count; ++k)
-      if (m->coordinates[m->couplings[i].coordinates[k]].joint == joint)
-        return true;
-  return false;
-}
-
 static void place(km_written *w, const double *q) {
   w->world[0] = km_pose_identity();
   for (int i = 0; i < w->ordered; ++i) {
@@ -271,7 +263,7 @@ bool km_written_refer(km_written *w, bool zero_where_free) {
     return false;
   bool loops = w->ordered < m->joint_count;
   for (int j = 0; j < m->joint_count; ++j) {
-    bool bound = !zero_where_free || (loops && in_loop(w, j, leader)) || is_coupled(m, j);
+    bool bound = !zero_where_free || (loops && in_loop(w, j, leader)) || km_joint_is_coupled(m, j);
     int first = m->joints[j].first_coordinate;
     for (int c = first; c < first + km_model_freedom(m, j); ++c)
       w->reference[c] = bound ? w->q[c] : 0.0;
