@@ -9,7 +9,8 @@
 #include <string.h>
 
 static const double least_length = 1e-4; /* a shorter curve without ends is a crossing of others: one q for all z */
-static const double same_curve = 1e-5;   /* distance from a curve's interpolant, whose error is 1e-9 */
+static const double most_chord = 0.03; /* exceeds the distance of consecutive points: a step and corrections of 3e-4 */
+static const double same_curve = 1e-5; /* distance from a curve's interpolant, whose error is 1e-9 */
 
 static km_followed_point new_point(km_arena *a, const km_driver_surface *f) {
   size_t order = (size_t)km_driver_surface_joints(f);
@@ -81,12 +82,29 @@ static double distance_from_chord(km_surface_curves *v, const km_curve_point *p,
   return km_cubic_distance(v->chord, f->columns, from, &u);
 }
 
+/* First point from number i on, of a known curve of this kind, that is nearer to the state than `distance`; the number
+ * of points if there is none. By the triangle inequality no point up to (d − distance) / most_chord farther along its
+ * curve is as near, where d is the distance of one of them. */
+static size_t find_near(const km_surface_curves *v, size_t i, double distance) {
+  while (i < v->point_count) {
+    const km_curve_point *p = &v->points[i];
+    double excess = HUGE_VAL; /* curves of other kinds are passed as a whole */
+    if (is_same_curve(&p->of, &v->system.of))
+      excess = km_driver_surface_difference(v->system.f, p->saved, v->system.f->step) - distance;
+    if (excess < 0.0)
+      break;
+    double along = most_chord;
+    for (++i; i < v->point_count && v->points[i].curve == p->curve && along <= excess; ++i)
+      along += most_chord;
+  }
+  return i;
+}
+
 /* True if the state is on a known curve of this kind. */
 static bool is_on_known(km_surface_curves *v) {
-  for (size_t i = 0; i + 1 < v->point_count; ++i)
-    if (is_same_curve(&v->points[i].of, &v->system.of) && v->points[i + 1].curve == v->points[i].curve &&
-        km_driver_surface_difference(v->system.f, v->points[i].saved, v->system.f->step) <
-            1.5 * km_longest_curve_step &&
+  size_t i = find_near(v, 0, most_chord);
+  for (; i + 1 < v->point_count; i = find_near(v, i + 1, most_chord))
+    if (v->points[i + 1].curve == v->points[i].curve &&
         distance_from_chord(v, &v->points[i], &v->points[i + 1]) < same_curve)
       return true;
   return false;
@@ -94,11 +112,7 @@ static bool is_on_known(km_surface_curves *v) {
 
 /* True if a point of a known curve of this kind is nearer to the state than `distance`. */
 static bool is_known(const km_surface_curves *v, double distance) {
-  for (size_t i = 0; i < v->point_count; ++i)
-    if (is_same_curve(&v->points[i].of, &v->system.of) &&
-        km_driver_surface_difference(v->system.f, v->points[i].saved, v->system.f->step) < distance)
-      return true;
-  return false;
+  return find_near(v, 0, distance) < v->point_count;
 }
 
 /* Writes the found points and their rows from `first` in steps of ±1 until `end`. False when out of memory. */
