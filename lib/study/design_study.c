@@ -3,6 +3,7 @@
 #include "study/design_study.h"
 
 #include "base/arguments.h"
+#include "exchange/mesh/model_meshes.h"
 #include "kmech/data.h"
 #include "kmech/version.h"
 #include "model/model.h"
@@ -116,10 +117,11 @@ static km_status read_length(km_design_study *s, const km_model *model, km_error
   return status;
 }
 
-static void store_mesh_inertias(km_design_study *s, const km_model *model) {
+static km_status identify_meshes(km_design_study *s, const km_model *model, km_error *error) {
   km_text text = {0};
-  km_design_add_meshes(model, &text);
+  km_status status = km_model_identify_meshes(model, &text, error);
   s->meshes = km_text_move_to_arena(&text, &s->arena);
+  return status;
 }
 
 /* Reads length, figures, columns and meshes from the reference design. */
@@ -132,7 +134,7 @@ static km_status try_reference(km_design_study *s, km_error *error) {
   if (!status)
     status = try_questions(s, model, error);
   if (!status)
-    store_mesh_inertias(s, model);
+    status = identify_meshes(s, model, error);
   km_model_free(model);
   return status;
 }

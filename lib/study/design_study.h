@@ -43,7 +43,7 @@ struct km_design_study {
   double *base;       /* [parameter] values of the file */
   double *reference;  /* [parameter] reference design, whose characteristic length is used for all */
   double length;      /* characteristic length, in the model's unit */
-  const char *meshes; /* masses and inertias of its meshes, as text; "": none */
+  const char *meshes; /* hashes of the meshes of its model, as text; "": none */
   km_patch patch;
   int figure_count, first_figure[KM_MAX_DESIGN_QUESTIONS + 1];
   const km_design_figure *figures[KM_MAX_DESIGN_FIGURES];

@@ -6,17 +6,6 @@
 
 #include <string.h>
 
-void km_design_add_meshes(const km_model *model, km_text *out) {
-  for (int b = 1; b < model->body_count; ++b) {
-    const km_model_body *body = &model->bodies[b];
-    const double numbers[10] = {
-        body->mass,       body->center_of_mass.x, body->center_of_mass.y, body->center_of_mass.z, body->inertia[0],
-        body->inertia[1], body->inertia[2],       body->inertia[3],       body->inertia[4],       body->inertia[5]};
-    if (body->mesh)
-      km_identity_add_numbers(out, numbers, 10);
-  }
-}
-
 /* Path of the table of poses that a path study names, relative to the study's folder. NULL: none. */
 static const char *table_of(const char *study, const km_text *bytes, km_arena *arena) {
   const km_value *root = NULL;
@@ -35,13 +24,10 @@ static const char *table_of(const char *study, const km_text *bytes, km_arena *a
 /* Appends the hash of a file and, for a path study, of its table of poses. */
 static km_status add_file(const char *file, bool is_study, km_arena *arena, km_text *out, km_error *error) {
   km_text bytes = {0};
-  char key[KM_SHA256_TEXT];
   km_status status = km_file_read(file, &bytes, error);
   const char *table = status || !is_study ? NULL : table_of(file, &bytes, arena);
-  if (!status) {
-    km_sha256(bytes.data, bytes.size, key);
-    km_identity_add_name(out, key);
-  }
+  if (!status)
+    km_identity_add_bytes(out, bytes.data, bytes.size);
   km_text_free(&bytes);
   return status || !table ? status : add_file(table, false, arena, out, error);
 }

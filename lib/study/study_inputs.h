@@ -5,8 +5,6 @@
 #include "base/store/store_file.h"
 #include "study/design_study.h"
 
-/* Appends masses and inertias of bodies with meshes, the only effect of mesh files. */
-void km_design_add_meshes(const km_model *model, km_text *out);
 /* Appends hashes of the files that a request names, and of the tables that these name. KM_IO, KM_MEMORY. */
 km_status km_design_add_files(const km_design_study *study, const km_design_question *question, km_text *out,
                               km_error *error);

@@ -216,6 +216,39 @@ static void a_mesh_belongs_to_the_answer(void **state) {
   unlink(path);
 }
 
+/* Least clearance of a slide's body, a mesh without a mass. */
+static double least_clearance(const char *model, const char *store, int computed) {
+  static const double steps = 4.0;
+  designs d;
+  designs_of_model(&d, "fourbar", "clearance");
+  d.def.model = model;
+  designs_set_number(&d, "steps", &steps);
+  designs_add_figure(&d, "least", KM_DESIGN_MIN, "clearance");
+  return only_figure(&d, store, computed);
+}
+
+/* So does its shape where it weighs nothing: its corner at x = a slides by 0.1 towards a face at x = 0.9. */
+static void a_shape_belongs_to_the_answer(void **state) {
+  (void)state;
+  char path[64];
+  store_path(path);
+  write_text("test_design_store.json",
+             "{\"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": \"b\", \"definition\": "
+             "[\"test_design_store.stl\"]}, {\"name\": \"wall\", \"shapes\": [{\"box\": [0.2, 2, 2], \"T\": [1, 0, "
+             "0]}]}], \"joints\": [{\"name\": \"A\", \"type\": \"Tx\", \"body_frame_pairs\": [\"fixed\", \"b\"]}, "
+             "{\"name\": \"W\", \"type\": \"rigid\", \"body_frame_pairs\": [\"fixed\", \"wall\"]}]}], "
+             "\"analysis\": {\"sweep\": {\"joint\": \"A\", \"range\": [0, 0.1]}}}");
+  for (int k = 1; k <= 2; ++k) {
+    const double a = 0.1 * k;
+    write_solid("test_design_store.stl", a);
+    assert_near(least_clearance("test_design_store.json", path, 1), 0.9 - a - 0.1, 1e-12);
+    assert_near(least_clearance("test_design_store.json", path, 0), 0.9 - a - 0.1, 1e-12);
+  }
+  unlink("test_design_store.stl");
+  unlink("test_design_store.json");
+  unlink(path);
+}
+
 static void write_path(const char *name, double high) {
   FILE *file = fopen(name, "w");
   assert_non_null(file);
@@ -529,6 +562,7 @@ int main(void) {
       cmocka_unit_test(a_database_of_others_is_no_store),
       cmocka_unit_test(earlier_versions_had_fewer_tables),
       cmocka_unit_test(a_mesh_belongs_to_the_answer),
+      cmocka_unit_test(a_shape_belongs_to_the_answer),
       cmocka_unit_test(a_table_of_poses_belongs_to_the_answer),
       cmocka_unit_test(damaged_answers_are_asked_again),
       cmocka_unit_test(many_designs_are_sorted),

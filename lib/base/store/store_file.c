@@ -1,5 +1,6 @@
 /* One SQLite file with the results of long work (base/store/store_file.h). */
 #include "base/store/store_file.h"
+#include "base/file.h"
 
 #include <fcntl.h>
 #include <libgen.h>
@@ -211,4 +212,10 @@ void km_identity_add_numbers(km_text *out, const double *numbers, int count) {
     km_text_number(out, numbers[i]);
     km_text_add(out, ";");
   }
+}
+
+void km_identity_add_bytes(km_text *out, const void *bytes, size_t size) {
+  char hash[KM_SHA256_TEXT];
+  km_sha256(size > 0 ? bytes : "", size, hash);
+  km_identity_add_name(out, hash);
 }

@@ -50,8 +50,9 @@ km_status km_store_file_begin(km_store_file *file, km_error *error);
 km_status km_store_file_commit(km_store_file *file, km_error *error);
 
 /* Append to a text whose hash is an identity or key: a name with its length, so that lists of names are unambiguous;
- * numbers, to the last digit. */
+ * numbers, to the last digit; the hash of bytes. */
 void km_identity_add_name(km_text *out, const char *name);
 void km_identity_add_numbers(km_text *out, const double *numbers, int count);
+void km_identity_add_bytes(km_text *out, const void *bytes, size_t size);
 
 #endif

@@ -1,8 +1,9 @@
-/* Looking for the files of meshes and reading them. */
+/* Looking for the files of meshes, reading and identifying them. */
 #include "exchange/mesh/model_meshes.h"
 #include "exchange/mesh/shape_meshes.h"
 
 #include "base/arguments.h"
+#include "base/store/store_file.h"
 #include "kmech/report.h"
 
 #include <math.h>
@@ -45,6 +46,33 @@ km_status km_model_read_mesh(const km_model *model, const char *where, const cha
 
 km_status km_body_mesh(const km_model *model, const km_model_body *body, km_mesh **out, km_error *error) {
   return km_model_read_mesh(model, body->where, ".definition", body->mesh, out, error);
+}
+
+/* Appends the hashes of a mesh (NULL: none). False when out of memory. */
+static bool identify_mesh(const km_model *model, const char *name, km_text *out) {
+  km_mesh *mesh = NULL;
+  km_error ignored; /* the user of the mesh reports it */
+  if (!name)
+    return true;
+  if (km_model_read_mesh(model, "", "", name, &mesh, &ignored) == KM_MEMORY)
+    return false;
+  if (mesh) {
+    km_identity_add_bytes(out, mesh->vertices, (size_t)mesh->vertex_count * sizeof *mesh->vertices);
+    km_identity_add_bytes(out, mesh->triangles, (size_t)mesh->triangle_count * sizeof *mesh->triangles);
+  } else {
+    km_identity_add_name(out, "");
+  }
+  km_mesh_free(mesh);
+  return !out->failed;
+}
+
+km_status km_model_identify_meshes(const km_model *model, km_text *out, km_error *error) {
+  bool is_ok = true;
+  for (int b = 0; is_ok && b < model->body_count; ++b)
+    is_ok = identify_mesh(model, model->bodies[b].mesh, out);
+  for (int s = 0; is_ok && s < model->shape_count; ++s)
+    is_ok = identify_mesh(model, model->shapes[s].mesh, out);
+  return is_ok ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for meshes");
 }
 
 static void paint(km_mesh *mesh, const double color[4]) {

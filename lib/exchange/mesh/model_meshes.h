@@ -16,6 +16,11 @@ km_status km_model_read_mesh(const km_model *model, const char *where, const cha
 /* Reads the mesh that a body names. KM_IO: it can't be found or read. The caller frees `*out`. */
 km_status km_body_mesh(const km_model *model, const km_model_body *body, km_mesh **out, km_error *error);
 
+/* Appends hashes of all meshes of bodies and shapes to the text of an identity (base/store/store_file.h), on which
+ * masses and clearances depend. A mesh that can't be read has an empty name there: what needs it reports the error.
+ * KM_MEMORY. */
+km_status km_model_identify_meshes(const km_model *model, km_text *out, km_error *error);
+
 /* Mass properties of the bodies with a density, from their meshes; faults go to the messages. */
 void km_model_weigh(km_model *model, km_messages *messages);
 /* One warning of the meshes that aren't found: no error until something needs them. False when out of memory. */

@@ -32,41 +32,6 @@ static km_status no_memory(km_error *error) {
 
 /* ---- Identity. */
 
-/* Adds the hash of bytes. */
-static void add_hash(km_text *out, const void *bytes, size_t size) {
-  char hash[KM_SHA256_TEXT];
-  km_sha256(size > 0 ? bytes : "", size, hash);
-  km_identity_add_name(out, hash);
-}
-
-/* Adds a mesh, and frees it. */
-static void add_mesh(km_text *out, km_mesh *mesh) {
-  if (!mesh)
-    return;
-  add_hash(out, mesh->vertices, (size_t)mesh->vertex_count * sizeof *mesh->vertices);
-  add_hash(out, mesh->triangles, (size_t)mesh->triangle_count * sizeof *mesh->triangles);
-  km_mesh_free(mesh);
-}
-
-/* Adds the meshes of all bodies, which clearance depends on. */
-static km_status add_meshes(km_text *out, const km_model *model, km_error *error) {
-  km_status status = KM_OK;
-  for (int i = 0; !status && i < model->body_count; ++i) {
-    km_mesh *mesh = NULL;
-    if (model->bodies[i].mesh)
-      status = km_body_mesh(model, &model->bodies[i], &mesh, error);
-    add_mesh(out, mesh);
-  }
-  for (int i = 0; !status && i < model->shape_count; ++i) {
-    const km_model_shape *shape = &model->shapes[i];
-    km_mesh *mesh = NULL;
-    if (shape->mesh)
-      status = km_model_read_mesh(model, shape->where, "", shape->mesh, &mesh, error);
-    add_mesh(out, mesh);
-  }
-  return status;
-}
-
 /* Adds all numbers of the model, also those that were set after the file was read. */
 static void add_model(km_text *out, const km_model *model) {
   km_model_numbers numbers;
@@ -127,7 +92,7 @@ static km_status identify(const km_mechanism *m, const km_state *s, const km_spa
   add_model(&text, m->model);
   add_pose(&text, m, s);
   add_definition(&text, def);
-  km_status status = def->clearance || def->figures ? add_meshes(&text, m->model, error) : KM_OK;
+  km_status status = def->clearance || def->figures ? km_model_identify_meshes(m->model, &text, error) : KM_OK;
   if (!status && !text.failed) {
     km_sha256(text.data, text.size, hash);
     km_text_format(what, " (%.8s)", hash);
