@@ -56,7 +56,7 @@ void km_ranks_update(const km_mechanism *m, km_state *s, km_mobility *out) {
     const km_substructure *sub = &m->substructures[i];
     km_loops_update(m, s, sub);
     double residual = km_loops_residual(m, s, sub);
-    km_search_rank(m, s, i, km_rank_tolerance(m, sub, residual));
+    km_search_pivots(m, s, i, KM_NO_DRIVER, km_rank_tolerance(m, sub, residual));
     out->residual = fmax(out->residual, residual);
     out->mobility += km_factor_freedom(s->factor[i]);
     out->redundant_constraints -= km_factor_rank(s->factor[i]);

@@ -388,7 +388,7 @@ static void rows_that_stand(void **state) {
     assert_int_equal(f.p->column[f.columns - 1], i % f.columns);
     assert_true(depends || (f.p->smallest_pivot > 0.0 && f.p->smallest_pivot <= f.p->scale));
     assert_true(km_factor_refactor(f.p, stored(f.p), f.options.basis));
-    f.options.basis = KM_BASIS_SHORT;
+    f.options.basis = KM_BASIS_VECTORS;
     assert_int_equal(km_factor_refactor(f.p, stored(f.p), f.options.basis),
                      depends); /* there are no pivots to replay */
     free_normal(1);
@@ -462,7 +462,7 @@ static void nothing_is_left_behind(void **state) {
         assert_true(f.p->sparse->x[r] == 0.0);
     }
     fill_zeros(0.8, false);
-    f.options.basis = KM_BASIS_SHORT;
+    f.options.basis = KM_BASIS_VECTORS;
     factor(f.p);
     f.q = km_factor_create_like(f.p, &f.arena);
     factor(f.q);

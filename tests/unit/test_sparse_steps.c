@@ -24,9 +24,9 @@ static void fill_band(void) {
   start[COLUMNS] = entries;
 }
 
-static void factor_band(km_factor *p, bool unwatched) {
+static void factor_band(km_factor *p, bool rows_only) {
   km_factor_compute(p, values, ROWS, COLUMNS,
-                    &(km_factor_options){.tolerance = 1e-9, .basis = unwatched ? KM_BASIS_ANY : KM_BASIS_SHORT});
+                    &(km_factor_options){.tolerance = 1e-9, .basis = rows_only ? KM_BASIS_NONE : KM_BASIS_VECTORS});
 }
 
 /* Without independent columns, rank, primary rows and minimum-norm steps are equal; columns requested afterwards are
@@ -93,7 +93,7 @@ static void rows_that_lean_on_many(void **state) {
     reserve();
     f.p = km_factor_create_sparse(rows, rows, start, row, f.D, &f.arena);
     f.options = (km_factor_options){.tolerance = 1e-9, .forced = f.forced};
-    f.options.basis = i % 8 < 4 ? KM_BASIS_NONE : KM_BASIS_SHORT;
+    f.options.basis = i % 8 < 4 ? KM_BASIS_NONE : KM_BASIS_VECTORS;
     factor(f.p);
     km_factor_compute(f.q, f.J, rows, rows, &(km_factor_options){.tolerance = 1e-9});
     assert_int_equal(f.q->rank, rows - i % 2);

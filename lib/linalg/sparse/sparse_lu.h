@@ -60,12 +60,11 @@ struct km_sparse {
   bool *is_excluded_row;                    /* [rows] the row must not be primary, since it depends on others */
   km_entry_range *b;                        /* [columns] non-zero entries of column k of B, by step, ascending */
   km_entry_store b_store;                   /* index: step */
-  bool is_basis_any; /* the last search ended with independent columns that suffice for minimum-norm steps only */
-  km_normal_equations **normal; /* borrowed, shared by all partitions of the pattern; NULL: none */
-  bool has_rows_only;           /* only rows were requested: independent columns have no entries of U and no B */
-  bool has_normal_only;         /* the rows are independent by their normal equations: there is no L and no U */
-  bool is_b_unmeasured;         /* max|B| was not measured with these values */
-  bool stores_all_b;            /* all columns of B are stored; else they are computed one at a time */
+  km_normal_equations **normal;             /* borrowed, shared by all partitions of the pattern; NULL: none */
+  bool has_rows_only;   /* only rows were requested: independent columns have no entries of U and no B */
+  bool has_normal_only; /* the rows are independent by their normal equations: there is no L and no U */
+  bool is_b_unmeasured; /* max|B| was not measured with these values */
+  bool stores_all_b;    /* all columns of B are stored; else they are computed one at a time */
 };
 
 /* Ratio of all entries of B to those of the matrix above which max|B| is estimated: such null vectors reach through the
@@ -95,8 +94,6 @@ static inline void km_sparse_update_pivot_range(km_factor *p, double size) {
 }
 
 void km_sparse_factor(km_factor *partition, const double *matrix, const bool *forced, double tolerance);
-/* True if the present factor has the basis that is needed. */
-bool km_sparse_is_basis_sufficient(const km_factor *partition, km_factor_basis basis);
 /* Refactors with the known pivots; where a structural zero of the singletons filled in, on the full pattern. False if a
  * value is not finite, or out of memory. */
 bool km_sparse_refactor(km_factor *partition, const double *matrix);
