@@ -244,7 +244,7 @@ void check_all(km_factor *p, double tolerance) {
     for (int i = 0; i < p->rank; ++i)
       largest = fmax(largest, fabs(b[i]));
   }
-  assert_true(p->max_b == largest);
+  assert_true((p->sparse ? km_sparse_current_max_b(p) : p->max_b) == largest);
   check_pivots(p);
   check_directions(p);
   check_null(p, tolerance);

@@ -4,6 +4,7 @@
  *
  * Each pivot is the largest entry of all remaining null vectors, so |B| <= 2 about, as with complete pivoting of the
  * matrix. */
+#include "linalg/dense/dense_elimination.h"
 #include "linalg/sparse/sparse_lu.h"
 
 #include <string.h>
@@ -34,11 +35,12 @@ bool km_sparse_choose_independent(km_factor *p, const bool *forced) {
   km_factor *q = km_factor_create(p->columns, most, NULL, &arena);
   p->failed = p->failed || arena.failed;
   if (!arena.failed) {
-    int count = write_null_vectors(p, forced, N);
-    km_factor_compute(q, N, p->columns, count, &(km_factor_options){0});
+    q->rows = p->columns;
+    q->columns = write_null_vectors(p, forced, N);
+    km_dense_factor(q, N, NULL, 0.0);
     memset(is_postponed, 0, (size_t)p->columns * sizeof *is_postponed);
-    for (int i = 0; i < km_factor_rank(q); ++i)
-      is_postponed[km_factor_row_order(q)[i]] = true;
+    for (int i = 0; i < q->rank; ++i)
+      is_postponed[q->row[i]] = true;
   }
   km_arena_free(&arena);
   for (int k = 0; k < p->rank; ++k)

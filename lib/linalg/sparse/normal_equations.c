@@ -5,7 +5,6 @@
 
 #include "base/dynamic_library.h"
 #include "base/memory.h"
-#include "base/random.h"
 #include "linalg/dense/simd_pair.h"
 
 #include <cholmod.h>
@@ -161,26 +160,6 @@ static const double *solve_normal_equations(km_normal_equations *n) {
       .nrow = rows, .ncol = 1, .nzmax = rows, .d = rows, .x = n->b, .xtype = CHOLMOD_REAL, .dtype = CHOLMOD_DOUBLE};
   bool is_ok = n->cholmod->cholmod_l_solve2(CHOLMOD_A, n->L, &B, NULL, &n->X, NULL, &n->Y, &n->F, &n->common);
   return is_ok ? n->X->x : NULL;
-}
-
-/* Inverse iteration with A Aᵀ: smallest singular value of A over its largest entry. */
-double km_normal_equations_smallest_singular_value(km_normal_equations *n) {
-  enum { PASSES = 3 };
-  double square = 0.0, largest = km_max_magnitude(n->value, (int)n->start[n->columns]);
-  uint64_t seed = 1;
-  for (long r = 0; r < n->rows; ++r)
-    n->b[r] = n->used[r] ? km_uniform(&seed) : 0.0;
-  for (int i = 0; i < PASSES; ++i) {
-    double before = sqrt(km_pair_dot(n->b, n->b, (int)n->rows));
-    const double *z = solve_normal_equations(n);
-    double after = z ? sqrt(km_pair_dot(z, z, (int)n->rows)) : HUGE_VAL;
-    square = before / after;
-    for (long r = 0; r < n->rows && z; ++r)
-      n->b[r] = z[r] / after;
-  }
-  /* The square is accurate to the rounding of squares of entries, which adds up over the rows. */
-  double min_square = 100.0 * DBL_EPSILON * (double)n->rows * largest * largest;
-  return square > min_square ? sqrt(square) / largest : 0.0;
 }
 
 /* step = Aᵀ (A Aᵀ)⁻¹ b. Returns |step|; NaN without memory. */

@@ -17,9 +17,6 @@ km_normal_equations *km_normal_equations_create(int rows, int columns, const int
  * if the used rows are dependent. Equal data are not factored again. O(entries of the factor). */
 bool km_normal_equations_factor(km_normal_equations *normal, const double *matrix, const double *weight,
                                 const bool *used_rows, const bool *used_columns);
-/* Estimate of the smallest singular value of A in the used rows, over its largest entry, by inverse iteration; 0 if it
- * is below rounding. */
-double km_normal_equations_smallest_singular_value(km_normal_equations *normal);
 /* Minimum-norm solution x[columns] of A x = b[rows] in the used rows. Refined until only rounding remains; false if
  * refinement converges slowly, since the equations square the condition of A: then QR is needed. */
 bool km_normal_equations_minimum_norm(km_normal_equations *normal, const double *b, double *x);

@@ -1,5 +1,4 @@
-/* Primary rows by sparse orthogonal methods (docs/theory.md 3.6): the smallest eigenvalue of A Aᵀ proves full row rank;
- * a sparse QR of the rows finds dependent ones. */
+/* Normal equations of the primary rows, and dependent rows by a sparse QR (docs/theory.md 3.6). */
 #include "base/number/tolerances.h"
 #include "linalg/sparse/normal_equations.h"
 #include "linalg/sparse/sparse_lu.h"
@@ -70,42 +69,6 @@ km_normal_equations *km_sparse_normal(const km_factor *p, const double *matrix, 
   km_free(rows);
   km_free(columns);
   return is_ok ? normal : NULL;
-}
-
-/* Orders the columns: possible pivots, forced ones, locked ones. Returns the number of possible pivots. */
-static int order_columns(const km_factor *p, const bool *forced) {
-  int next = 0, candidate_count = 0;
-  for (int group = 0; group < 3; ++group) {
-    for (int c = 0; c < p->columns; ++c)
-      if ((km_factor_is_locked(p, c) ? 2 : km_sparse_is_preset(p, forced, c)) == group)
-        p->column[next++] = c;
-    candidate_count = group == 0 ? next : candidate_count;
-  }
-  return candidate_count;
-}
-
-/* Full row rank by the smallest eigenvalue of the normal equations. */
-bool km_sparse_rows_are_independent(km_factor *p, const double *matrix, const bool *forced, double tolerance) {
-  km_sparse *s = p->sparse;
-  if (!s->normal || order_columns(p, forced) < p->rows)
-    return false;
-  p->rank = p->rows;
-  for (int r = 0; r < p->rows; ++r)
-    p->row[r] = s->step_of[r] = r;
-  km_normal_equations *normal = km_sparse_normal(p, matrix, order_columns(p, forced) - p->rank);
-  double smallest = normal ? km_normal_equations_smallest_singular_value(normal) : 0.0;
-  if (!(smallest > tolerance))
-    return false;
-  p->first_pivot = p->scale;
-  p->last_pivot = p->smallest_pivot = smallest * p->scale;
-  p->first_dropped = 0.0;
-  p->forced_dependent = false;
-  for (int k = 0; k < p->rank; ++k)
-    p->inverse[k] = 1.0 / p->last_pivot;
-  s->singleton_count = s->singleton_zero_count = 0;
-  memset(s->upper, 0, (size_t)p->columns * sizeof *s->upper);
-  memset(s->lower, 0, (size_t)p->columns * sizeof *s->lower);
-  return true;
 }
 
 /* Dependent rows by sparse QR of Jᵀ. */

@@ -239,11 +239,8 @@ static bool update_b(km_factor *p) {
 /* Numeric refactorisation on the stored pattern of L and U. */
 bool km_sparse_refactor(km_factor *p, const double *matrix) {
   km_sparse *s = p->sparse;
-  if (p->failed || !km_all_finite(matrix, s->start[p->columns]) ||
-      (s->has_normal_only && p->options.basis != KM_BASIS_NONE))
+  if (p->failed || !km_all_finite(matrix, s->start[p->columns]))
     return false;
-  if (s->has_normal_only) /* the next minimum-norm solution tests the rows */
-    return true;
   if (!are_structural_zeros(s, matrix))
     return km_sparse_refactor_full_pattern(p, matrix) && update_b(p);
   for (int k = 0; k < s->singleton_count; ++k)
@@ -277,10 +274,6 @@ bool km_sparse_refactor(km_factor *p, const double *matrix) {
 void km_sparse_solve(const km_factor *p, const double *rhs, double *x) {
   const km_sparse *s = p->sparse;
   double *y = p->work;
-  if (s->has_normal_only) { /* reached only when memory is short */
-    memset(x, 0, (size_t)p->columns * sizeof *x);
-    return;
-  }
   memcpy(s->x, rhs, (size_t)p->rows * sizeof *s->x);
   for (int k = 0; k < p->rank; ++k) {
     y[k] = s->x[p->row[k]];
@@ -327,7 +320,6 @@ void km_sparse_copy(km_factor *to, const km_factor *from) {
   t->singleton_zero_count = f->singleton_zero_count;
   t->singleton_count = f->singleton_count;
   t->has_rows_only = f->has_rows_only;
-  t->has_normal_only = f->has_normal_only;
   memcpy(t->step_of, f->step_of, (size_t)from->rows * sizeof *t->step_of);
   to->failed = from->failed || !km_sparse_reserve_factor(t, upper, lower);
   if (to->failed)

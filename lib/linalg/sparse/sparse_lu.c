@@ -109,7 +109,7 @@ static void find_good_columns(km_factor *p, const double *matrix, const bool *fo
   }
 }
 
-/* Factors a sparse matrix: full row rank by normal equations, rows only, or good independent columns. */
+/* Factors a sparse matrix: rows only, or good independent columns. */
 void km_sparse_factor(km_factor *p, const double *matrix, const bool *forced, double tolerance) {
   km_sparse *s = p->sparse;
   p->scale = km_max_magnitude(matrix, s->start[p->columns]);
@@ -121,7 +121,5 @@ void km_sparse_factor(km_factor *p, const double *matrix, const bool *forced, do
   memset(s->is_postponed, 0, (size_t)p->columns * sizeof *s->is_postponed);
   memset(s->is_excluded_row, 0, (size_t)p->rows * sizeof *s->is_excluded_row);
   s->has_rows_only = p->options.basis == KM_BASIS_NONE && !km_sparse_gram_is_dense(p);
-  s->has_normal_only = s->has_rows_only && km_sparse_rows_are_independent(p, matrix, forced, tolerance);
-  if (!s->has_normal_only)
-    (s->has_rows_only ? find_rows : find_good_columns)(p, matrix, forced, tolerance * p->scale);
+  (s->has_rows_only ? find_rows : find_good_columns)(p, matrix, forced, tolerance * p->scale);
 }

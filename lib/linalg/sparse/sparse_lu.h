@@ -62,7 +62,6 @@ struct km_sparse {
   km_entry_store b_store;                   /* index: step */
   km_normal_equations **normal;             /* borrowed, shared by all partitions of the pattern; NULL: none */
   bool has_rows_only;   /* only rows were requested: independent columns have no entries of U and no B */
-  bool has_normal_only; /* the rows are independent by their normal equations: there is no L and no U */
   bool is_b_unmeasured; /* max|B| was not measured with these values */
   bool stores_all_b;    /* all columns of B are stored; else they are computed one at a time */
 };
@@ -112,9 +111,6 @@ int km_sparse_hidden_row(const km_factor *partition, const double *matrix, const
 /* Excludes rows that depend on others to the threshold, by sparse QR over all columns that may be pivots. False if
  * there are none, without SPQR, or out of memory. */
 bool km_sparse_find_dependent_rows(km_factor *partition, const double *matrix, const bool *forced, double threshold);
-/* True if all rows are independent to the tolerance over all columns that may be pivots, by their normal equations;
- * then that is the partition's result. False also without normal equations. */
-bool km_sparse_rows_are_independent(km_factor *partition, const double *matrix, const bool *forced, double tolerance);
 /* Reserves memory for entries of U and L. False when out of memory. */
 bool km_sparse_reserve_factor(km_sparse *sparse, int upper, int lower);
 bool km_sparse_grow(km_sparse *sparse, km_entry_store *store, int need);
