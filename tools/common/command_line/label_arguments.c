@@ -160,8 +160,10 @@ static kt_exit add_text(const kt_common *common, const km_model *model, const ch
     double value;
     last = item.separator;
     if (!kt_number(item.text, &value)) {
-      kt_print_message(common, KM_ERROR, "%s %s: \"%s\" is not a number%s", option, text, item.text,
-                       is_number(item.text, &value) ? " of magnitude up to 1e60" : "");
+      const char *hint = is_number(item.text, &value) ? " of magnitude up to 1e60"
+                         : strchr(item.text, '=')     ? "; each joint has its own option"
+                                                      : "";
+      kt_print_message(common, KM_ERROR, "%s %s: \"%s\" is not a number%s", option, text, item.text, hint);
       result = KT_USAGE;
     } else if (given < count && !add(out, first + given, value)) {
       result = KT_NO_MEMORY;
