@@ -263,7 +263,8 @@ void km_sparse_eliminate(km_factor *p, const double *matrix, const bool *forced,
   s->is_overfull = false;
   for (int i = s->singleton_count; i < p->columns; ++i) {
     int c = s->factor_order[i];
-    s->is_overfull = s->max_entries > 0 && upper_end + lower_end > s->max_entries;
+    s->is_overfull = (s->postpones_small || !s->limits_fill_if_postponing) && s->max_entries > 0 &&
+                     upper_end + lower_end > s->max_entries;
     if (s->is_overfull)
       return;
     if (p->rank == p->rows) { /* the rank is full: nothing remains of the column */

@@ -71,11 +71,13 @@ static void eliminate_by_rows(km_factor *p, const double *matrix, const bool *fo
 }
 
 /* Finds the primary rows only. Elimination by columns comes first; dependent rows can cause much fill-in there. If a
- * bound of entries is exceeded, sparse QR finds and excludes them. */
+ * bound of entries is exceeded, sparse QR finds and excludes them. QR has at least the entries of the Gram matrix, far
+ * more if rows outnumber columns, so it waits for a postponed column in that case. */
 static void find_rows(km_factor *p, const double *matrix, const bool *forced, double threshold) {
   enum { MAX_FILL = 4 };
   km_sparse *s = p->sparse;
   s->max_entries = (int)fmin(fmax((double)MAX_FILL * s->start[p->columns], km_sparse_full_gram_cost(p)), INT_MAX);
+  s->limits_fill_if_postponing = p->rows > p->columns;
   eliminate_until_consistent(p, matrix, forced, threshold, true);
   s->max_entries = 0;
   if (!s->is_overfull)

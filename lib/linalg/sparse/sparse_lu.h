@@ -48,7 +48,8 @@ struct km_sparse {
                         * value come last, where they show the rank */
   int max_entries;     /* bound of entries of U and L, beyond which the elimination ends as overfull; 0:
                                    * none */
-  bool is_overfull;    /* the last elimination exceeded max_entries */
+  bool limits_fill_if_postponing; /* the bound applies only while columns are postponed */
+  bool is_overfull;               /* the last elimination exceeded max_entries */
   km_entry_range *upper; /* [columns] entries of U of each column, by step, in an order in which they can be replayed */
   km_entry_range *lower; /* [columns] entries of L of each column, by row; none of independent columns */
   km_entry_store upper_store, lower_store;  /* index: step; row */
