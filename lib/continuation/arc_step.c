@@ -25,7 +25,7 @@ double km_arc_motion_branch_function_after_step(km_arc_motion *f) {
   km_factor *r = f->c.history.reference;
   if (km_factor_search_count(p) == km_factor_search_count(r))
     return km_arc_motion_branch_function(f, f->c.next_t);
-  km_factor_refactor(r, km_state_jacobian(f->c.state, km_arc_motion_sub(f)), KM_BASIS_VECTORS);
+  km_factor_refactor(r, km_state_jacobian(f->c.state, km_arc_motion_sub(f)), KM_BASIS_SHORT);
   return pivots_over_tangent(r, f->c.next_t);
 }
 

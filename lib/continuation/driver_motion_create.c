@@ -113,7 +113,7 @@ static bool restore_pivots(km_driver_motion *d) {
     return false;
   km_factor_copy_pivots(p, d->c.history.reference);
   s->pivot_driver[sub] = d->c.column;
-  return km_factor_refactor(p, km_state_jacobian(s, km_driver_motion_substructure(d)), KM_BASIS_VECTORS);
+  return km_factor_refactor(p, km_state_jacobian(s, km_driver_motion_substructure(d)), KM_BASIS_SHORT);
 }
 
 void km_driver_motion_restore_snapshot(km_driver_motion *d, const km_driver_motion_snapshot *snapshot) {

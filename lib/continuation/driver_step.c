@@ -14,8 +14,9 @@ bool km_driver_motion_start(km_driver_motion *d) {
   const km_substructure *sub = km_driver_motion_substructure(d);
   km_loops_update(d->c.mechanism, d->c.state, sub);
   double residual = km_loops_residual(d->c.mechanism, d->c.state, sub);
-  km_search_pivots(d->c.mechanism, d->c.state, d->c.substructure, d->c.column,
-                   km_rank_tolerance(d->c.mechanism, sub, residual));
+  km_search_pivots_by(d->c.mechanism, d->c.state, d->c.substructure,
+                      &(km_pivoting){.driver = d->c.column, .basis = KM_BASIS_ANY},
+                      km_rank_tolerance(d->c.mechanism, sub, residual));
   km_constant_rank_begin(&d->c.constant_rank, d->c.mechanism, d->c.state, d->c.substructure, d->c.column, &d->arena);
   d->current.known = km_continuation_tangent(&d->c, NULL, d->c.history.t);
   km_step_history_set_reference(&d->c.history, d->c.state->factor[d->c.substructure]);
@@ -32,7 +33,7 @@ static bool sign_changed(km_driver_motion *d) {
       km_factor_rank(p) != km_factor_rank(reference))
     return false;
   if (km_factor_search_count(p) != km_factor_search_count(reference)) {
-    km_factor_refactor(reference, km_state_jacobian(d->c.state, km_driver_motion_substructure(d)), KM_BASIS_VECTORS);
+    km_factor_refactor(reference, km_state_jacobian(d->c.state, km_driver_motion_substructure(d)), KM_BASIS_ANY);
     p = reference;
   }
   return km_factor_sign(p) != d->c.history.sign;
@@ -146,11 +147,12 @@ static bool violates_closure(km_driver_motion *d) {
 static bool rank_changed(km_driver_motion *d) {
   const km_substructure *sub = km_driver_motion_substructure(d);
   km_factor *p = d->c.state->factor[d->c.substructure];
-  km_search_pivots(d->c.mechanism, d->c.state, d->c.substructure, d->c.column,
-                   km_rank_tolerance(d->c.mechanism, sub, 0.0));
+  km_search_pivots_by(d->c.mechanism, d->c.state, d->c.substructure,
+                      &(km_pivoting){.driver = d->c.column, .basis = KM_BASIS_ANY},
+                      km_rank_tolerance(d->c.mechanism, sub, 0.0));
   int rank = km_factor_rank(p);
   km_factor_copy_pivots(p, d->c.history.reference);
-  km_factor_refactor(p, km_state_jacobian(d->c.state, sub), KM_BASIS_VECTORS);
+  km_factor_refactor(p, km_state_jacobian(d->c.state, sub), KM_BASIS_ANY);
   return rank != km_factor_rank(d->c.history.reference);
 }
 

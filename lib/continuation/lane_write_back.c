@@ -52,7 +52,7 @@ void km_batch_refresh_state(const km_batch *l, km_driver_motion *d) {
   s->q[l->coordinate] = l->current.closed_at.of[d->lane];
   km_loops_update(d->c.mechanism, s, sub);
   km_factor *p = s->factor[d->c.substructure];
-  km_factor_refactor(p, km_state_jacobian(s, sub), KM_BASIS_VECTORS);
+  km_factor_refactor(p, km_state_jacobian(s, sub), KM_BASIS_SHORT);
   s->q[l->coordinate] = value;
   km_factor_null_space(p, km_factor_freedom(p));
 }

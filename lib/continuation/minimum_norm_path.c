@@ -58,7 +58,7 @@ static bool compute_stage_rate(const km_mechanism *m, km_state *s, int index, in
   km_factor *p = s->factor[index];
   km_loops_recompute(m, s, sub);
   km_factor_copy_pivots(p, pivots);
-  if (!km_factor_refactor(p, km_state_jacobian(s, sub), KM_BASIS_VECTORS))
+  if (!km_factor_refactor(p, km_state_jacobian(s, sub), KM_BASIS_ANY))
     return false;
   km_minimum_norm_rates(m, s, index, driver, rate);
   return true;

@@ -399,7 +399,7 @@ static void check_start(const km_mechanism *m, const km_state *s, km_findings *f
 static km_status run_checks(const km_mechanism *m, km_state *s, const km_messages *messages,
                             const km_diagnosis *diagnosis, km_findings *out, km_error *error) {
   km_mobility mobility;
-  km_ranks_update(m, s, &mobility);
+  km_ranks_update(m, s, KM_BASIS_ANY, &mobility);
   check_reader(m->model, messages, out);
   check_start(m, s, out);
   check_geometry(m, s, out);

@@ -124,7 +124,7 @@ static double closing_target(const km_dynamics *d, const km_factor *p, bool sear
  * configuration. */
 static bool refactor(km_dynamics *d, km_state *s, int index, bool search) {
   km_factor *p = s->factor[index];
-  if (km_factor_refactor(p, km_state_jacobian(s, &d->mechanism->substructures[index]), KM_BASIS_VECTORS))
+  if (km_factor_refactor(p, km_state_jacobian(s, &d->mechanism->substructures[index]), KM_BASIS_SHORT))
     return true;
   d->stale = true;
   if (!search)

@@ -21,7 +21,7 @@
 static const double max_rounding_misfit = 5e-3;
 
 static km_closure_outcome close_fully(const km_mechanism *m, km_state *s, int index, km_closure *evidence) {
-  return km_loops_close_fully(m, s, index, &(km_pivoting){.driver = KM_NO_DRIVER}, evidence);
+  return km_loops_close_fully(m, s, index, &(km_pivoting){.driver = KM_NO_DRIVER, .basis = KM_BASIS_ANY}, evidence);
 }
 
 /* Levenberg-Marquardt from the present configuration, then full closing by Newton's method. */

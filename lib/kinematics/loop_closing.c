@@ -130,7 +130,10 @@ static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int in
 /* Closes the loops; the final configuration is cached unless a driver is fixed. */
 km_closure_outcome km_loops_close_by(const km_mechanism *m, km_state *s, int index, const km_pivoting *pivoting,
                                      km_closure *evidence) {
-  km_closure_outcome outcome = close_loops(m, s, index, pivoting, evidence);
+  km_pivoting of_steps = *pivoting;
+  if (of_steps.basis == KM_BASIS_SHORT)
+    of_steps.basis = KM_BASIS_ANY;
+  km_closure_outcome outcome = close_loops(m, s, index, &of_steps, evidence);
   if (pivoting->driver < 0) /* configurations of a driven motion are not evaluated again */
     km_loops_cache(m, s, &m->substructures[index]);
   return outcome;

@@ -49,7 +49,7 @@ typedef struct km_closure {
 typedef struct km_pivoting {
   int driver;                /* forced column, which is fixed in closing; KM_NO_DRIVER: none */
   bool driver_never_pivot;   /* the driver stays independent at any remaining rank */
-  km_factor_basis basis;     /* use of the null space */
+  km_factor_basis basis;     /* use of the null space; minimum-norm steps themselves need any basis only */
   double min_relative_pivot; /* relative pivot below which no search goes, over the largest entry */
 } km_pivoting;
 
@@ -76,6 +76,9 @@ double km_rank_tolerance(const km_mechanism *mechanism, const km_substructure *s
 void km_search_pivots(const km_mechanism *mechanism, km_state *state, int substructure, int driver, double tolerance);
 void km_search_pivots_by(const km_mechanism *mechanism, km_state *state, int substructure, const km_pivoting *pivoting,
                          double tolerance);
+/* As km_search_pivots without a driver, for the rank and minimum-norm steps: a sparse factor with many freedoms does
+ * not optimise its independent columns, which takes longer than the elimination. */
+void km_search_rank(const km_mechanism *mechanism, km_state *state, int substructure, double tolerance);
 
 /* Updates errors and Jacobian at the state's coordinates and searches pivots with the rank tolerance of `misfit`. */
 void km_update_and_search_pivots(const km_mechanism *mechanism, km_state *state, int substructure, int driver,

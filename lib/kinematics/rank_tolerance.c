@@ -36,6 +36,10 @@ void km_search_pivots(const km_mechanism *m, km_state *s, int index, int driver,
   km_search_pivots_by(m, s, index, &(km_pivoting){.driver = driver}, tolerance);
 }
 
+void km_search_rank(const km_mechanism *m, km_state *s, int index, double tolerance) {
+  km_search_pivots_by(m, s, index, &(km_pivoting){.driver = KM_NO_DRIVER, .basis = KM_BASIS_ANY}, tolerance);
+}
+
 /* Evaluates the Jacobian at the present configuration and searches pivots. */
 void km_update_and_search_pivots(const km_mechanism *m, km_state *s, int index, int driver, double misfit) {
   const km_substructure *sub = &m->substructures[index];

@@ -43,13 +43,17 @@ static bool are_flags_equal(bool has_flags, const bool *stored, const bool *flag
   return has_flags == (flags != NULL) && (!flags || memcmp(stored, flags, count * sizeof *flags) == 0);
 }
 
+/* True if the present factor has the basis that is needed. */
+static bool is_basis_sufficient(const km_factor *p, km_factor_basis basis) {
+  return !p->sparse || km_sparse_is_basis_sufficient(p, basis);
+}
+
 /* True if the present factor is that of these arguments. */
 static bool is_current(const km_factor *p, const double *matrix, const km_factor_options *o) {
   size_t columns = (size_t)p->columns;
   return p->is_cached && !p->failed && p->options.tolerance == o->tolerance &&
          p->options.forced_never_pivot == o->forced_never_pivot && p->options.ties_by_position == o->ties_by_position &&
-         (!p->sparse || p->options.basis == o->basis) &&
-         are_flags_equal(p->options.forced, p->cached_forced, o->forced, columns) &&
+         is_basis_sufficient(p, o->basis) && are_flags_equal(p->options.forced, p->cached_forced, o->forced, columns) &&
          are_flags_equal(p->options.locked, p->cached_locked, o->locked, columns) &&
          memcmp(p->cached_matrix, matrix, entry_count(p) * sizeof *matrix) == 0;
 }

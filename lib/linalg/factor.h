@@ -23,10 +23,10 @@ typedef struct km_normal_equations km_normal_equations;
 
 /* Use of the null space. The sparse factor saves work by it; the dense one always forms B. */
 typedef enum km_factor_basis {
-  KM_BASIS_VECTORS, /* null vectors are read by B, and |B| is as small as complete pivoting makes it; a sparse factor
-                     * with many freedoms does not choose among its independent columns, and a refactorisation does not
-                     * measure B */
-  KM_BASIS_ENTRIES, /* no B is formed; null vectors are read by km_factor_null_entries only */
+  KM_BASIS_SHORT,   /* |B| as small as complete pivoting makes it */
+  KM_BASIS_ANY,     /* any independent columns will do: a sparse factor with many freedoms does not optimise them, and a
+                     * refactorisation does not measure B */
+  KM_BASIS_ENTRIES, /* as KM_BASIS_ANY; no B is formed, and null vectors are read by km_factor_null_entries only */
   KM_BASIS_NONE     /* none: only the rank and the primary rows, for km_factor_minimum_norm */
 } km_factor_basis;
 

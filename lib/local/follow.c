@@ -78,7 +78,7 @@ static double repivot_slack(const km_local *l) {
 
 /* Basis that steps need: with many freedoms the primary rows suffice. */
 static km_factor_basis needed_basis(const km_factor *p) {
-  return km_factor_freedom(p) > KM_MAX_BASIS_FREEDOM ? KM_BASIS_NONE : KM_BASIS_VECTORS;
+  return km_factor_freedom(p) > KM_MAX_BASIS_FREEDOM ? KM_BASIS_NONE : KM_BASIS_SHORT;
 }
 
 /* True if the present pivots suffice for the next step. Further on more rows can be independent and fewer motions

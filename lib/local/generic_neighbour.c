@@ -90,7 +90,7 @@ bool km_generic_neighbour_enter(const km_mechanism *m, km_state *s, int index, d
   km_state_save(s, sub, saved);
   km_state_move(m, s, sub, move);
   km_state_invalidate_pivots(s, index);
-  const km_pivoting pivoting = {.driver = KM_NO_DRIVER, .basis = sample ? KM_BASIS_NONE : KM_BASIS_VECTORS};
+  const km_pivoting pivoting = {.driver = KM_NO_DRIVER, .basis = sample ? KM_BASIS_NONE : KM_BASIS_SHORT};
   if (!is_mobile || km_loops_close_by(m, s, index, &pivoting, &evidence) != KM_CLOSED)
     return false;
   km_poses_compute_in(m, s, index);

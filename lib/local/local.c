@@ -40,7 +40,7 @@ km_local *km_local_create(const km_mechanism *m, km_state *s, int index, const k
                   .random = 1};
   l->tolerance = fmax(km_rank_tolerance(m, sub, l->residual), min_tolerance);
   l->noise = fmax(1e-7, 100.0 * l->residual);
-  km_search_pivots(m, s, index, KM_NO_DRIVER, l->tolerance);
+  km_search_rank(m, s, index, l->tolerance);
   l->freedom = km_factor_freedom(s->factor[index]);
   l->has_redundant_rows = km_factor_rank(s->factor[index]) < sub->rows;
   for (int i = 0; passive && i < passive->count; ++i)
@@ -94,7 +94,7 @@ void km_local_return(km_local *l) {
     return;
   km_state_restore(l->s, l->sub, l->origin);
   km_loops_update(l->m, l->s, l->sub);
-  km_search_pivots(l->m, l->s, l->index, KM_NO_DRIVER, l->tolerance);
+  km_search_rank(l->m, l->s, l->index, l->tolerance);
 }
 
 void km_local_direction(const km_local *l, const double *a, double *x) {

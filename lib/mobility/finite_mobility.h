@@ -4,7 +4,8 @@
 
 #include "kmech/mobility.h"
 
-/* Does km_finite_mobility_find with the passive freedoms of the state's configuration. `*out` is all 0 before. */
+/* As km_finite_mobility_find, for known passive freedoms. Requires *out = {0} and poses and ranks of the configuration,
+ * which km_passive_freedoms_find leaves. */
 km_status km_finite_mobility_find_with(const km_mechanism *mechanism, km_state *state,
                                        const km_passive_freedoms *passive, km_progress progress, void *context,
                                        km_finite_mobility *out, km_error *error);

@@ -46,7 +46,8 @@ static bool is_free_tree_coordinate(const km_mechanism *m, const km_state *s, in
   return m->substructure_of[coordinate] < 0 && !km_state_is_fixed(s, coordinate);
 }
 
-void km_ranks_update(const km_mechanism *m, km_state *s, km_mobility *out) {
+void km_ranks_update(const km_mechanism *m, km_state *s, km_factor_basis basis, km_mobility *out) {
+  const km_pivoting pivoting = {.driver = KM_NO_DRIVER, .basis = basis};
   *out = (km_mobility){0};
   count_kutzbach(m, out);
   out->redundant_constraints = 6 * m->topology.loop_count + m->model->coupling_count;
@@ -56,7 +57,7 @@ void km_ranks_update(const km_mechanism *m, km_state *s, km_mobility *out) {
     const km_substructure *sub = &m->substructures[i];
     km_loops_update(m, s, sub);
     double residual = km_loops_residual(m, s, sub);
-    km_search_pivots(m, s, i, KM_NO_DRIVER, km_rank_tolerance(m, sub, residual));
+    km_search_pivots_by(m, s, i, &pivoting, km_rank_tolerance(m, sub, residual));
     out->residual = fmax(out->residual, residual);
     out->mobility += km_factor_freedom(s->factor[i]);
     out->redundant_constraints -= km_factor_rank(s->factor[i]);
@@ -82,7 +83,7 @@ km_status km_mobility_compute(const km_mechanism *m, km_state *s, km_mobility *o
   *out = unknown;
   if (!km_state_belongs_to(m, s))
     return KM_USAGE;
-  km_ranks_update(m, s, out);
+  km_ranks_update(m, s, KM_BASIS_SHORT, out);
   for (int c = 0; c < m->coordinate_count; ++c)
     s->mobility_number[c] = is_free_tree_coordinate(m, s, c) ? 1.0 : 0.0;
   for (int i = 0; i < m->topology.substructure_count; ++i)

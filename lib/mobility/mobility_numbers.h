@@ -12,8 +12,8 @@ void km_motions_update(const km_mechanism *mechanism, km_state *state, int subst
 /* Does km_motions_update and computes the mobility numbers. */
 void km_numbers_update(const km_mechanism *mechanism, km_state *state, int substructure);
 
-/* Does km_mobility_compute without the mobility numbers, which keep their values. */
-void km_ranks_update(const km_mechanism *mechanism, km_state *state, km_mobility *out);
+/* Does km_mobility_compute without the mobility numbers, which keep their values. `basis`: use of the null space. */
+void km_ranks_update(const km_mechanism *mechanism, km_state *state, km_factor_basis basis, km_mobility *out);
 
 /* Returns KM_MEMORY if a partition of the state or its basis had no memory; its pivots are then invalid and searched
  * by the next call. */

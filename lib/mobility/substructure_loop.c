@@ -29,6 +29,6 @@ km_status km_search_substructures(const km_mechanism *m, km_state *s, km_substru
   if (status)
     return status;
   km_poses_compute(m, s);
-  km_ranks_update(m, s, &mobility);
+  km_ranks_update(m, s, KM_BASIS_ANY, &mobility);
   return km_each_substructure(m, visit, self, progress, context, what, error);
 }

@@ -368,7 +368,7 @@ static km_status prepare(allowance *w, km_state *s, km_error *error) {
   if (!w->parts)
     return km_fail(error, KM_MEMORY, "out of memory for the allowance");
   km_poses_compute(w->m, s);
-  km_ranks_update(w->m, s, &mobility);
+  km_ranks_update(w->m, s, KM_BASIS_SHORT, &mobility);
   km_status status = KM_OK;
   for (int i = 0; i < w->m->topology.substructure_count && !status; ++i)
     if (w->m->substructures[i].loop_count > 0)

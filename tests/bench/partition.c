@@ -108,7 +108,7 @@ static void run_kept(void *context) {
   int pose = next_pose(p);
   for (int i = 0; i < PARTS; ++i) {
     part *a = &p->parts[i];
-    if (!km_factor_refactor(a->kept, a->J[pose], KM_BASIS_VECTORS))
+    if (!km_factor_refactor(a->kept, a->J[pose], KM_BASIS_SHORT))
       bench_fail(name, "the monitor refuses the pivots of the first pose");
     read_numbers(a, a->kept);
   }

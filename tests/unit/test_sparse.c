@@ -455,7 +455,7 @@ static void nothing_is_left_behind(void **state) {
         assert_true(f.p->sparse->x[r] == 0.0);
     }
     fill_zeros(0.8, false);
-    f.options.basis = KM_BASIS_VECTORS;
+    f.options.basis = KM_BASIS_SHORT;
     factor(f.p);
     f.q = km_factor_create_like(f.p, &f.arena);
     factor(f.q);

@@ -9,8 +9,8 @@ enum { ROWS = 60, COLUMNS = 130, REACH = 8 };
 static int start[COLUMNS + 1], row[COLUMNS * REACH];
 static double values[COLUMNS * REACH], weight[COLUMNS];
 
-/* A band of full rank: row r in columns 2 r … 2 r + REACH - 1. */
-static void fill_band(void) {
+/* A band of full rank: row r in columns 2 r … 2 r + REACH - 1; `leading` is added to the first entry of each row. */
+static void fill_band(double leading) {
   int entries = 0;
   for (int c = 0; c < COLUMNS; ++c) {
     weight[c] = 0.3 + fabs(any());
@@ -18,15 +18,15 @@ static void fill_band(void) {
     for (int r = 0; r < ROWS; ++r)
       if (c >= 2 * r && c < 2 * r + REACH) {
         row[entries] = r;
-        values[entries++] = any() + (c == 2 * r ? 2.0 : 0.0);
+        values[entries++] = any() + (c == 2 * r ? leading : 0.0);
       }
   }
   start[COLUMNS] = entries;
 }
 
-static void factor_band(km_factor *p, bool rows_only) {
+static void factor_band(km_factor *p, bool unwatched) {
   km_factor_compute(p, values, ROWS, COLUMNS,
-                    &(km_factor_options){.tolerance = 1e-9, .basis = rows_only ? KM_BASIS_NONE : KM_BASIS_VECTORS});
+                    &(km_factor_options){.tolerance = 1e-9, .basis = unwatched ? KM_BASIS_ANY : KM_BASIS_SHORT});
 }
 
 /* Without independent columns, rank, primary rows and minimum-norm steps are equal; columns requested afterwards are
@@ -38,7 +38,7 @@ static void columns_that_nobody_asks_for(void **state) {
   for (int i = 0; i < 20; ++i) {
     km_arena arena = {0};
     km_normal_equations *kept = NULL;
-    fill_band();
+    fill_band(2.0);
     km_factor *p = km_factor_create_sparse(ROWS, COLUMNS, start, row, weight, &arena);
     km_factor_share_normal_equations(p, &kept);
     km_factor *q = km_factor_create_like(p, &arena);
@@ -61,6 +61,31 @@ static void columns_that_nobody_asks_for(void **state) {
     km_arena_free(&arena);
   }
   assert_true(others > 5);
+}
+
+/* J n = 0 for the short null vectors of a band without dominant entries, where the elimination alone leaves |B| above
+ * 1e9. Rounding of J n: REACH entries of at most 1, each with relative rounding times |B|. */
+static void short_null_vectors(void **state) {
+  (void)state;
+  for (int i = 0; i < 20; ++i) {
+    km_arena arena = {0};
+    double n[COLUMNS], product[ROWS];
+    fill_band(0.0);
+    km_factor *p = km_factor_create_sparse(ROWS, COLUMNS, start, row, weight, &arena);
+    factor_band(p, false);
+    assert_true(km_factor_freedom(p) > KM_MANY_VECTORS);
+    assert_true(p->max_b <= km_max_good_b);
+    for (int k = p->rank; k < COLUMNS; ++k) {
+      km_factor_null_vector(p, p->column[k], n);
+      memset(product, 0, sizeof product);
+      for (int c = 0; c < COLUMNS; ++c)
+        for (int e = start[c]; e < start[c + 1]; ++e)
+          product[row[e]] += values[e] * n[c];
+      for (int r = 0; r < ROWS; ++r)
+        assert_near(product[r], 0.0, 1e-12);
+    }
+    km_arena_free(&arena);
+  }
 }
 
 /* A row that is the sum of all others but for an entry of that size, which is its distance from them. */
@@ -93,7 +118,7 @@ static void rows_that_lean_on_many(void **state) {
     reserve();
     f.p = km_factor_create_sparse(rows, rows, start, row, f.D, &f.arena);
     f.options = (km_factor_options){.tolerance = 1e-9, .forced = f.forced};
-    f.options.basis = i % 8 < 4 ? KM_BASIS_NONE : KM_BASIS_VECTORS;
+    f.options.basis = i % 8 < 4 ? KM_BASIS_NONE : KM_BASIS_SHORT;
     factor(f.p);
     km_factor_compute(f.q, f.J, rows, rows, &(km_factor_options){.tolerance = 1e-9});
     assert_int_equal(f.q->rank, rows - i % 2);
@@ -114,6 +139,6 @@ static int clean(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(columns_that_nobody_asks_for),
-                                     cmocka_unit_test(rows_that_lean_on_many)};
+                                     cmocka_unit_test(short_null_vectors), cmocka_unit_test(rows_that_lean_on_many)};
   return cmocka_run_group_tests(tests, NULL, clean);
 }

@@ -4,7 +4,6 @@
  *   step with pivot (r, c): l = J_:c / J_rc, l_r = 0;   J_:k <- J_:k − l J_rk  for all later columns k
  *   B_ik = (reduced entry) / pivot_i;   sign of det = product of the signs of the pivots */
 #include "linalg/dense/dense_elimination.h"
-#include "base/number/tolerances.h"
 #include "linalg/dense/register_elimination.h"
 #include "linalg/dense/simd_pair.h"
 

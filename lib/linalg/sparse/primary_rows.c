@@ -4,9 +4,6 @@
 #include "linalg/sparse/sparse_lu.h"
 #include "linalg/sparse/sparse_qr.h"
 
-#include <math.h>
-#include <string.h>
-
 void km_sparse_fill_row(const km_sparse *s, const double *matrix, const double *weight, const bool *is_omitted, int row,
                         int k, km_columns out) {
   long next = out.start[k];
@@ -46,7 +43,7 @@ bool km_sparse_gram_is_dense(const km_factor *p) {
 }
 
 /* Creates the normal equations of the pattern once. */
-km_normal_equations *km_sparse_create_normal(const km_factor *p) {
+static km_normal_equations *create_normal(const km_factor *p) {
   const km_sparse *s = p->sparse;
   if (!s->normal || km_sparse_gram_is_dense(p))
     return NULL;
@@ -57,7 +54,7 @@ km_normal_equations *km_sparse_create_normal(const km_factor *p) {
 
 /* Factors the normal equations of the primary rows. */
 km_normal_equations *km_sparse_normal(const km_factor *p, const double *matrix, int count) {
-  km_normal_equations *normal = km_sparse_create_normal(p);
+  km_normal_equations *normal = create_normal(p);
   if (!normal)
     return NULL;
   bool *rows = KM_NEW(bool, (size_t)p->rows + 1), *columns = KM_NEW(bool, (size_t)p->columns + 1);

@@ -233,7 +233,8 @@ static void refactor_singleton(km_factor *p, const double *matrix, int k) {
 static bool update_b(km_factor *p) {
   if (!km_sparse_has_null_vectors(p))
     return true;
-  return km_factor_freedom(p) > KM_MANY_VECTORS ? defer_b(p) : km_sparse_find_b(p, NULL, HUGE_VAL);
+  bool is_deferred = p->options.basis != KM_BASIS_SHORT && km_factor_freedom(p) > KM_MANY_VECTORS;
+  return is_deferred ? defer_b(p) : km_sparse_find_b(p, NULL, HUGE_VAL);
 }
 
 /* Numeric refactorisation on the stored pattern of L and U. */

@@ -2,7 +2,7 @@
  * columns.
  *
  *   1. eliminate with a threshold on remainders;   2. postpone a hidden dependent column (or exclude a row), repeat 1
- *   3. if max|B| > 2: choose independent columns (with many freedoms: postpone shared ones, once), repeat from 1 */
+ *   3. if max|B| > 2 (30 with many freedoms): postpone shared columns, or choose independent columns, repeat from 1 */
 #include "linalg/sparse/sparse_lu.h"
 #include "linalg/dense/simd_pair.h"
 
@@ -93,18 +93,33 @@ static bool uses_row_equations(const km_factor *p) {
   return p->rank > KM_MANY_VECTORS && km_factor_freedom(p) > KM_MANY_VECTORS;
 }
 
-/* Eliminates with better independent columns until max|B| is small: complete pivoting leaves about 1. */
+/* True if any independent columns suffice for the basis. */
+static bool is_any_basis_sufficient(const km_factor *p, km_factor_basis basis) {
+  return basis != KM_BASIS_SHORT && uses_row_equations(p);
+}
+
+bool km_sparse_is_basis_sufficient(const km_factor *p, km_factor_basis basis) {
+  const km_factor_basis present = p->options.basis;
+  return (basis == KM_BASIS_NONE) == (present == KM_BASIS_NONE) &&
+         (basis == KM_BASIS_ENTRIES) == (present == KM_BASIS_ENTRIES) &&
+         (!p->sparse->is_basis_any || is_any_basis_sufficient(p, basis));
+}
+
+/* Eliminates with better independent columns until max|B| is small. If any columns suffice, the search ends early. */
 static void find_good_columns(km_factor *p, const double *matrix, const bool *forced, double threshold) {
   for (int pass = 0; pass < MAX_PASSES; ++pass) {
     eliminate_until_consistent(p, matrix, forced, threshold,
                                pass + 1 < MAX_PASSES && p->options.basis != KM_BASIS_ENTRIES);
     if (p->options.basis == KM_BASIS_ENTRIES)
       break;
-    bool many = uses_row_equations(p), others = many && pass == 0 && postpone_shared_columns(p);
-    bool finite = km_sparse_find_b(p, forced, others ? km_max_b_growth : HUGE_VAL);
-    if (finite && max_free_b(p, forced) <= km_max_b_growth)
+    bool many = km_factor_freedom(p) > KM_MANY_VECTORS, others = many && pass == 0 && postpone_shared_columns(p);
+    double most = many && pass > 0 ? km_max_good_b : km_max_b_growth; /* complete pivoting leaves about 1 */
+    bool finite = km_sparse_find_b(p, forced, others ? most : HUGE_VAL);
+    if (finite && max_free_b(p, forced) <= most)
       break;
-    if (!others && (many || !finite || !km_sparse_choose_independent(p, forced)))
+    bool ends = !others && is_any_basis_sufficient(p, p->options.basis);
+    p->sparse->is_basis_any = ends;
+    if (ends || (!others && (!finite || !km_sparse_choose_independent(p, forced))))
       break;
   }
 }
@@ -115,6 +130,7 @@ void km_sparse_factor(km_factor *p, const double *matrix, const bool *forced, do
   p->scale = km_max_magnitude(matrix, s->start[p->columns]);
   p->locked_count = 0;
   s->postpones_small = false;
+  s->is_basis_any = false;
   p->max_b = 0.0;
   for (int c = 0; c < p->columns; ++c)
     p->locked_count += km_factor_is_locked(p, c);

@@ -60,10 +60,11 @@ struct km_sparse {
   bool *is_excluded_row;                    /* [rows] the row must not be primary, since it depends on others */
   km_entry_range *b;                        /* [columns] non-zero entries of column k of B, by step, ascending */
   km_entry_store b_store;                   /* index: step */
-  km_normal_equations **normal;             /* borrowed, shared by all partitions of the pattern; NULL: none */
-  bool has_rows_only;   /* only rows were requested: independent columns have no entries of U and no B */
-  bool is_b_unmeasured; /* max|B| was not measured with these values */
-  bool stores_all_b;    /* all columns of B are stored; else they are computed one at a time */
+  bool is_basis_any; /* the last search ended with independent columns that suffice for minimum-norm steps only */
+  km_normal_equations **normal; /* borrowed, shared by all partitions of the pattern; NULL: none */
+  bool has_rows_only;           /* only rows were requested: independent columns have no entries of U and no B */
+  bool is_b_unmeasured;         /* max|B| was not measured with these values */
+  bool stores_all_b;            /* all columns of B are stored; else they are computed one at a time */
 };
 
 /* Ratio of all entries of B to those of the matrix above which max|B| is estimated: such null vectors reach through the
@@ -93,6 +94,8 @@ static inline void km_sparse_update_pivot_range(km_factor *p, double size) {
 }
 
 void km_sparse_factor(km_factor *partition, const double *matrix, const bool *forced, double tolerance);
+/* True if the present factor has the basis that is needed. */
+bool km_sparse_is_basis_sufficient(const km_factor *partition, km_factor_basis basis);
 /* Refactors with the known pivots; where a structural zero of the singletons filled in, on the full pattern. False if a
  * value is not finite, or out of memory. */
 bool km_sparse_refactor(km_factor *partition, const double *matrix);
@@ -146,9 +149,6 @@ void km_sparse_copy(km_factor *to, const km_factor *from);
  * left_out[column] set. */
 void km_sparse_fill_row(const km_sparse *s, const double *matrix, const double *weight, const bool *left_out, int row,
                         int k, km_columns out);
-/* Normal equations of the partition, created at the first call. NULL if there is no memory for them or they would fill
- * in. */
-km_normal_equations *km_sparse_create_normal(const km_factor *p);
 /* Factors the normal equations of the primary rows in the dependent and the first `count` independent columns. NULL if
  * they are not available, would fill in, or are too ill-conditioned. */
 km_normal_equations *km_sparse_normal(const km_factor *p, const double *matrix, int count);

@@ -129,7 +129,7 @@ static km_status find_set(set_search *f, int finite_mobility, km_progress progre
   const char *what = "the set of remedies";
   mark_driven(f->m->model, f->driven);
   km_poses_compute(f->m, f->s);
-  km_ranks_update(f->m, f->s, &mobility);
+  km_ranks_update(f->m, f->s, KM_BASIS_ANY, &mobility);
   for (int c = 0; c < f->m->coordinate_count; ++c)
     f->values[c] = km_state_coordinate(f->s, c);
   f->out->mobility = count_tree_coordinates(f->m);
