@@ -68,11 +68,11 @@ static km_status add_shape(builder *b, const km_model_shape *shape, km_error *er
 /* Component of each vertex: -1, -2, … Returns their number. A vertex of no triangle is one of its own. */
 static int number_components(const km_mesh *mesh, int *component) {
   int count = 0, n = mesh->vertex_count;
-  km_sets_create(component, n);
+  km_sets_reset(component, n);
   for (int t = 0; t < mesh->triangle_count; ++t)
     for (int k = 1; k < 3; ++k) {
-      int a = km_set_of(component, mesh->triangles[t].corner[0]),
-          b = km_set_of(component, mesh->triangles[t].corner[k]);
+      int a = km_set_root(component, mesh->triangles[t].corner[0]),
+          b = km_set_root(component, mesh->triangles[t].corner[k]);
       component[a > b ? a : b] = a > b ? b : a;
     }
   for (int v = 0; v < n; ++v) /* a root is the first vertex of its component */

@@ -78,7 +78,7 @@ static void join_substructures(tree_builder *w, int *first /* [substructure], -1
   for (int n = 1; n < w->tree->node_count; ++n) {
     int s = substructure_of(w, n);
     if (s >= 0 && first[s] >= 0)
-      w->leader[km_set_of(w->leader, n)] = km_set_of(w->leader, first[s]);
+      w->leader[km_set_root(w->leader, n)] = km_set_root(w->leader, first[s]);
     else if (s >= 0)
       first[s] = n;
   }
@@ -95,8 +95,8 @@ static void merge_clusters(tree_builder *w, int *base, int *golden_section) {
     for (int n = 0; n < w->tree->node_count; ++n)
       base[n] = golden_section[n] = NONE;
     for (int n = 1; n < w->tree->node_count; ++n) {
-      int own = km_set_of(w->leader, n), parent = nodes[n].parent;
-      if (parent > 0 && km_set_of(w->leader, parent) == own)
+      int own = km_set_root(w->leader, n), parent = nodes[n].parent;
+      if (parent > 0 && km_set_root(w->leader, parent) == own)
         continue;
       if (golden_section[own] == NONE || w->level[parent] > w->level[golden_section[own]])
         golden_section[own] = parent;
@@ -105,7 +105,7 @@ static void merge_clusters(tree_builder *w, int *base, int *golden_section) {
     }
     for (int n = 1; joined && n < w->tree->node_count; ++n)
       if (base[n] == SEVERAL)
-        w->leader[km_set_of(w->leader, golden_section[n])] = km_set_of(w->leader, n);
+        w->leader[km_set_root(w->leader, golden_section[n])] = km_set_root(w->leader, n);
   }
 }
 
@@ -113,7 +113,7 @@ static void merge_clusters(tree_builder *w, int *base, int *golden_section) {
 static int depth_of(tree_builder *w, const int *base, int leader) {
   int depth = 0;
   while (base[leader] > 0) {
-    leader = km_set_of(w->leader, base[leader]);
+    leader = km_set_root(w->leader, base[leader]);
     ++depth;
   }
   return depth;
@@ -124,7 +124,7 @@ static int order_leaders(tree_builder *w, const int *base, int *order, int *coun
   int nodes = w->tree->node_count;
   memset(count, 0, (size_t)nodes * sizeof *count);
   for (int n = 1; n < nodes; ++n) {
-    if (km_set_of(w->leader, n) != n)
+    if (km_set_root(w->leader, n) != n)
       continue;
     w->depth[n] = depth_of(w, base, n);
     count[w->depth[n] + 1]++;
@@ -132,7 +132,7 @@ static int order_leaders(tree_builder *w, const int *base, int *order, int *coun
   for (int d = 1; d < nodes; ++d)
     count[d] += count[d - 1];
   for (int n = 1; n < nodes; ++n)
-    if (km_set_of(w->leader, n) == n)
+    if (km_set_root(w->leader, n) == n)
       order[count[w->depth[n]]++] = n;
   return nodes > 1 ? count[nodes - 2] : 0;
 }
@@ -144,7 +144,7 @@ static void number_nodes(tree_builder *w, const int *base, int *order, int *next
   int *size = w->depth; /* size of a leader's cluster */
   memset(size, 0, (size_t)tree->node_count * sizeof *size);
   for (int n = 1; n < tree->node_count; ++n)
-    size[km_set_of(w->leader, n)]++;
+    size[km_set_root(w->leader, n)]++;
   for (int i = 0, start = 1; i < tree->cluster_count; ++i) {
     tree->clusters[i] = (km_cluster){.node_start = start, .node_count = size[order[i]]};
     next[order[i]] = start;
@@ -152,7 +152,7 @@ static void number_nodes(tree_builder *w, const int *base, int *order, int *next
   }
   w->number[0] = 0;
   for (int n = 1; n < tree->node_count; ++n)
-    w->number[n] = next[km_set_of(w->leader, n)]++;
+    w->number[n] = next[km_set_root(w->leader, n)]++;
   for (int i = 0; i < tree->cluster_count; ++i)
     tree->clusters[i].base = w->number[base[order[i]]];
 }
@@ -247,7 +247,7 @@ bool km_tree_build(const km_mechanism *m, km_arena *arena, km_tree *tree) {
     tree->body_in_node[0] = km_pose_identity();
     for (int i = 0; i < t->body_count - 1; ++i)
       add_arc(&w, &m->arcs[i]);
-    km_sets_create(w.leader, tree->node_count);
+    km_sets_reset(w.leader, tree->node_count);
     for (size_t s = 0; s < subs; ++s)
       first[s] = -1;
     join_substructures(&w, first);

@@ -48,7 +48,8 @@ typedef struct km_factor_evidence {
                                                   * pivot, 0: none. Sparse: largest and smallest pivot */
   double smallest_pivot_at_search;
   double max_b, max_b_at_search; /* max|B_ij|, and its value at the last search; with long null vectors of the sparse
-                                  * factor an estimate of the length of B's longest row */
+                                  * factor an estimate of the length of B's longest row; after a refactorisation for
+                                  * any basis with many freedoms, the value of the search */
   unsigned version;              /* number of changes: data derived from the factor are valid for one version */
 } km_factor_evidence;
 
@@ -73,7 +74,7 @@ void km_normal_equations_free(km_normal_equations *normal);
  * 64: equal to 2⁻⁴²) are taken by position, so that rounding does not decide between symmetric joints. Earlier
  * factorisations have no influence. With entries that are not finite the rank is meaningless, but in range. O(rows ·
  * columns · rank). The sparse factor pivots by rows, and completely among the independent columns only: other pivots,
- * but equal rank, null space and size of B. O(entries of L and U). */
+ * but equal rank and null space, and with KM_BASIS_SHORT equal size of B. O(entries of L and U). */
 void km_factor_compute(km_factor *factor, const double *matrix, int rows, int columns,
                        const km_factor_options *options);
 

@@ -27,9 +27,9 @@ static int orthogonal_complement(const double *W, int count, double *C) {
       v[axis] = 1.0;
       for (int pass = 0; pass < 2; ++pass) {
         for (int k = 0; k < count; ++k)
-          km_remove_part(W + 6 * k, v, 6);
+          km_remove_projection(W + 6 * k, v, 6);
         for (int k = 0; k < found; ++k)
-          km_remove_part(C + 6 * k, v, 6);
+          km_remove_projection(C + 6 * k, v, 6);
       }
       double size = km_dot(v, v, 6);
       for (int r = 0; r < 6 && size > 1.0001 * largest; ++r)

@@ -54,7 +54,7 @@ void km_left_null_expand(const km_left_space *space, const km_left_null *null, i
 /* Visits the columns of one loop in J: six entries each, with the sign of the loop's direction through the joint. */
 typedef void (*km_left_column_visitor)(void *out, int column, const double entry[6]);
 void km_left_for_each_column(const km_left_space *space, int block, km_left_column_visitor visit, void *out);
-/* Number of these columns. */
+/* Number of columns of one loop in J. */
 int km_left_column_count(const km_left_space *space, int block);
 /* Adds the vectors that span several loops to those of single loops. False without memory. */
 bool km_left_null_find_multiloop(const km_left_space *space, km_arena *arena, km_left_null *null);

@@ -31,7 +31,7 @@ typedef struct body_groups {
 } body_groups;
 
 static void unite(const body_groups *g, int a, int b) {
-  int absorbed = km_set_of(g->parent, a), to = km_set_of(g->parent, b);
+  int absorbed = km_set_root(g->parent, a), to = km_set_root(g->parent, b);
   g->parent[absorbed] = to;
   g->is_fixed[to] = g->is_fixed[to] || g->is_fixed[absorbed];
 }
@@ -135,11 +135,12 @@ static bool make_groups(body_groups *g, const km_mechanism *m, km_state *s, int 
     for (int end = 0; end < 2; ++end) {
       int body = km_joint_body(m->model, t->joint[i], end);
       if (g->index_in_group[body] < 0)
-        g->index_in_group[body] = g->size[km_set_of(g->parent, body)]++;
+        g->index_in_group[body] = g->size[km_set_root(g->parent, body)]++;
     }
   for (int k = 0; k < 2 * m->substructures[index].columns; ++k) {
     int coordinate = m->column_coordinate[m->substructures[index].column_start + k / 2];
-    g->column_group[k] = km_set_of(g->parent, km_joint_body(m->model, m->model->coordinates[coordinate].joint, k % 2));
+    g->column_group[k] =
+        km_set_root(g->parent, km_joint_body(m->model, m->model->coordinates[coordinate].joint, k % 2));
   }
   return true;
 }
@@ -152,14 +153,14 @@ static bool add_group(const body_groups *g, int group, int count, km_passive_fre
   km_passive_freedom *item = &out->items[out->count++];
   *item = (km_passive_freedom){.substructure = g->index, .freedoms = count};
   for (int b = 1; b < g->m->model->body_count; ++b)
-    if (g->index_in_group[b] >= 0 && km_set_of(g->parent, b) == group)
+    if (g->index_in_group[b] >= 0 && km_set_root(g->parent, b) == group)
       item->bodies[item->body_count++] = b;
   return true;
 }
 
 static bool find_in_groups(const body_groups *g, km_passive_freedoms *out, size_t *capacity) {
   for (int b = 1; b < g->m->model->body_count; ++b) {
-    if (g->index_in_group[b] < 0 || km_set_of(g->parent, b) != b || g->is_fixed[b] ||
+    if (g->index_in_group[b] < 0 || km_set_root(g->parent, b) != b || g->is_fixed[b] ||
         g->size[b] > KM_MAX_PASSIVE_BODIES)
       continue;
     int count = find_group_freedoms(g, b);
@@ -205,7 +206,7 @@ static bool keep_persistent(const body_groups *g, int first, km_arena *arena, km
   for (int i = first; i < out->count; ++i) {
     km_passive_freedom item = out->items[i];
     int persistent_freedoms =
-        moved ? find_group_freedoms(g, km_set_of(g->parent, item.bodies[0])) : count_finite_freedoms(g, &item);
+        moved ? find_group_freedoms(g, km_set_root(g->parent, item.bodies[0])) : count_finite_freedoms(g, &item);
     ok = ok && persistent_freedoms >= 0;
     item.freedoms = persistent_freedoms < item.freedoms ? persistent_freedoms : item.freedoms;
     out->mobility += item.freedoms > 0 ? item.freedoms : 0;

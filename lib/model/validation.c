@@ -14,14 +14,14 @@ void km_model_check_ties(km_model *model, km_messages *messages) {
     model->arena.failed = true;
     return;
   }
-  km_sets_create(parent, model->body_count);
+  km_sets_reset(parent, model->body_count);
   for (int j = 0; j < model->joint_count; ++j) {
-    int a = km_set_of(parent, km_joint_body(model, j, 0));
-    int b = km_set_of(parent, km_joint_body(model, j, 1));
+    int a = km_set_root(parent, km_joint_body(model, j, 0));
+    int b = km_set_root(parent, km_joint_body(model, j, 1));
     parent[a > b ? a : b] = a < b ? a : b;
   }
   for (int b = 1; b < model->body_count; ++b)
-    if (km_set_of(parent, b) != 0)
+    if (km_set_root(parent, b) != 0)
       km_messages_add(messages, KM_ERROR,
                       "%s: body \"%.80s\" is tied to the inertial frame by no chain of joints; expected at least "
                       "one (a joint of type float ties a free body to [\"fixed\"])",

@@ -108,13 +108,13 @@ const km_option_value *km_question_motion_value(const km_question *q, int index)
 
 /* KM_USAGE unless an option with a list has as many items as it states. */
 static km_status check_lists(const km_option *o, const km_option_value *v, km_error *error) {
-  km_status status = KM_OK;
   switch (o->type) {
   case KM_OPTION_COORDINATES:
     return km_check_list(v->coordinates, v->count, o->name, error);
-  case KM_OPTION_SETTINGS:
-    status = km_check_list(v->coordinates, v->count, o->name, error);
+  case KM_OPTION_SETTINGS: {
+    km_status status = km_check_list(v->coordinates, v->count, o->name, error);
     return status ? status : km_check_list(v->settings, v->count, o->name, error);
+  }
   case KM_OPTION_MODULES:
     return km_check_list(v->modules, v->count, o->name, error);
   case KM_OPTION_BODY_PAIRS:

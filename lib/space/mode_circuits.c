@@ -85,7 +85,7 @@ static const km_substructure *substructure_of(const circuit_search *f) {
 /* ---- Connected nodes. */
 
 static void connect(circuit_search *f, int a, int b) {
-  f->parent[km_set_of(f->parent, a)] = km_set_of(f->parent, b);
+  f->parent[km_set_root(f->parent, a)] = km_set_root(f->parent, b);
 }
 
 /* ---- Crossings of the driver's value. */
@@ -380,7 +380,7 @@ static km_status load_modes(circuit_search *f, int *freedom, km_error *error) {
   f->placements = KM_ARENA_NEW(&f->arena, km_body_placement, (size_t)f->m->model->body_count);
   if (f->arena.failed || !km_body_placements(f->m, f->placements))
     return km_fail(error, KM_MEMORY, "out of memory for the circuits");
-  km_sets_create(f->parent, f->modes->count + MOST_BRANCH_POINTS);
+  km_sets_reset(f->parent, f->modes->count + MOST_BRANCH_POINTS);
   int least = substructure_of(f)->columns;
   km_status status = KM_OK;
   for (int i = 0; !status && i < f->modes->count; ++i) {
@@ -404,7 +404,7 @@ static km_status load_modes(circuit_search *f, int *freedom, km_error *error) {
 static void number_circuits(circuit_search *f, km_mode_circuits *out) {
   for (int i = 0; i < f->modes->count; ++i) {
     for (int k = 0; k < i && out->circuit[i] == 0; ++k)
-      if (km_set_of(f->parent, k) == km_set_of(f->parent, i))
+      if (km_set_root(f->parent, k) == km_set_root(f->parent, i))
         out->circuit[i] = out->circuit[k];
     if (out->circuit[i] == 0)
       out->circuit[i] = ++out->count;

@@ -19,9 +19,9 @@ static int part_of(const km_mechanism *m, int coordinate) {
 
 static void unite_with_point(void *context, int coordinate, bool is_reversed) {
   part_groups *g = context;
-  int part = km_set_of(g->parent, part_of(g->m, coordinate));
+  int part = km_set_root(g->parent, part_of(g->m, coordinate));
   (void)is_reversed;
-  int other = g->first < 0 ? part : km_set_of(g->parent, g->first);
+  int other = g->first < 0 ? part : km_set_root(g->parent, g->first);
   g->first = part;
   if (other == part)
     return;
@@ -49,7 +49,7 @@ static km_status unite_parts(part_groups *g, const km_statics *st, km_error *err
 static void number_blocks(part_groups *g, km_statics_workspace *w) {
   int substructures = g->m->topology.substructure_count;
   for (int part = 0; part < substructures + g->m->coordinate_count; ++part) {
-    int coordinate = part - substructures, root = km_set_of(g->parent, part);
+    int coordinate = part - substructures, root = km_set_root(g->parent, part);
     bool is_block_part = part < substructures || (part_of(g->m, coordinate) == part && g->size[root] > 1);
     if (is_block_part && g->block[root] < 0)
       g->block[root] = w->block_count++;
@@ -57,7 +57,7 @@ static void number_blocks(part_groups *g, km_statics_workspace *w) {
 }
 
 static int block_of(const part_groups *g, int part) {
-  return g->block[km_set_of(g->parent, part)];
+  return g->block[km_set_root(g->parent, part)];
 }
 
 static void add_members(const part_groups *g, km_statics_workspace *w) {

@@ -172,11 +172,11 @@ double km_sweeper_part_end(double from, double to, int k, int parts);
  * ends it, to the row. */
 km_status km_sweeper_sample_to_row(km_sweeper *sweeper, km_driver_motion *drive, const km_row_interval *way, int first,
                                    km_error *error);
-/* True if the configuration, whose partition is current, has more freedoms than the motion: a branch point. The second
- * function updates the motions before. */
+/* True if the configuration, whose factor is current, has more freedoms than the motion: a branch point. */
 static inline bool km_sweeper_has_more_freedoms(const km_sweeper *r) {
   return r->substructure >= 0 && km_factor_freedom(r->s->factor[r->substructure]) > r->out->freedom;
 }
+/* Updates the motions, then as km_sweeper_has_more_freedoms. */
 bool km_sweeper_is_at_branch_point(km_sweeper *sweeper);
 
 /* Updates the motions of the moving substructure, unless the row was reached in a batch. */

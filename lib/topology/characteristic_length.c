@@ -7,12 +7,12 @@
 
 /* Union-find of bodies connected by rigid joints, in parent[body]. */
 static void unite_rigid_bodies(const km_model *model, int *parent) {
-  km_sets_create(parent, model->body_count);
+  km_sets_reset(parent, model->body_count);
   for (int j = 0; j < model->joint_count; ++j) {
     const km_model_joint *def = &model->joints[j];
     if (def->type == KM_RIGID)
-      parent[km_set_of(parent, model->frames[def->frame[0]].body)] =
-          km_set_of(parent, model->frames[def->frame[1]].body);
+      parent[km_set_root(parent, model->frames[def->frame[0]].body)] =
+          km_set_root(parent, model->frames[def->frame[1]].body);
   }
 }
 
@@ -33,7 +33,7 @@ double km_squared_distance(km_vec3 a, km_vec3 b, double rounding_length) {
 }
 
 /* Position of a joint on a body, one of the two that it connects. */
-static km_vec3 place_of(const km_model *model, int joint, int body) {
+static km_vec3 joint_position(const km_model *model, int joint, int body) {
   int end = km_joint_body(model, joint, 0) != body;
   return model->frames[model->joints[joint].frame[end]].pose.p;
 }
@@ -45,11 +45,11 @@ double km_longest_link(const km_mechanism *m, int *parent) {
   double longest = 0.0;
   unite_rigid_bodies(model, parent);
   for (int b = 1; b < model->body_count; ++b)
-    for (int i = t->incident_start[b]; i < t->incident_start[b + 1] && km_set_of(parent, b) != km_set_of(parent, 0);
+    for (int i = t->incident_start[b]; i < t->incident_start[b + 1] && km_set_root(parent, b) != km_set_root(parent, 0);
          ++i)
       for (int k = t->incident_start[b]; k < i; ++k)
-        longest = km_larger(km_squared_distance(place_of(model, t->incident[i], b), place_of(model, t->incident[k], b),
-                                                m->position_rounding),
+        longest = km_larger(km_squared_distance(joint_position(model, t->incident[i], b),
+                                                joint_position(model, t->incident[k], b), m->position_rounding),
                             longest);
   return sqrt(longest);
 }

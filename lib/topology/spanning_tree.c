@@ -23,8 +23,8 @@ static void list_incident(const km_graph *g, km_topology *t) {
 
 /* Unites the classes of a and b; the smallest number represents the class. False if they were one. */
 static bool unite_sets(int *set, int a, int b) {
-  a = km_set_of(set, a);
-  b = km_set_of(set, b);
+  a = km_set_root(set, a);
+  b = km_set_root(set, b);
   set[a > b ? a : b] = a < b ? a : b;
   return a != b;
 }
@@ -32,7 +32,7 @@ static bool unite_sets(int *set, int a, int b) {
 /* Marks the joints that a tree may use: those that aren't cut, and of those to cut the ones without which bodies are
  * separate (J. B. Kruskal 1956, with two weights). set: [bodies] workspace. */
 static void choose_usable_joints(const km_graph *g, int *set, bool *is_usable) {
-  km_sets_create(set, g->body_count);
+  km_sets_reset(set, g->body_count);
   for (int pass = 0; pass < 2; ++pass)
     for (int j = 0; j < g->joint_count; ++j)
       if ((g->is_cut && g->is_cut[j]) == pass)
@@ -134,7 +134,7 @@ static void unite_joints(const km_graph *g, const km_topology *t, int *set, bool
 /* Numbers the substructures by their first joint. */
 static void number_substructures(km_topology *t, int *set, const bool *is_in_substructure) {
   for (int j = 0; j < t->joint_count; ++j) {
-    int root = km_set_of(set, j);
+    int root = km_set_root(set, j);
     if (!is_in_substructure[j])
       t->substructure_of_joint[j] = -1;
     else
@@ -246,7 +246,7 @@ static bool build(const km_graph *g, km_arena *arena, km_arena *scratch, km_topo
   if (arena->failed)
     return false;
   list_members(g, t);
-  km_sets_create(set, g->joint_count);
+  km_sets_reset(set, g->joint_count);
   unite_joints(g, t, set, is_in_substructure);
   number_substructures(t, set, is_in_substructure);
   group_joints_and_loops(t);

@@ -33,8 +33,8 @@ const char *km_end_word(bool output);
 /* Checks the ports of a public function: KM_USAGE unless both are joints or points of the mechanism. */
 km_status km_check_ports(const km_mechanism *mechanism, const km_port *input, const km_port *output, km_error *error);
 
-/* Creates a load of 1 against the output, at its point or in its joint, and its balance by a driving input. KM_MEMORY.
- * The caller frees both in any case. */
+/* Creates a load of 1 against the output, at its point or in its joint, and its static balance; a joint as input is the
+ * actuator. KM_MEMORY. The caller frees both in any case. */
 km_status km_unit_load_create(const km_mechanism *mechanism, const km_port *input, const km_port *output,
                               km_forces **forces, km_statics *statics, km_error *error);
 /* Computes the advantage in a given motion, rates[coordinate]: at a branch point the followed one. */

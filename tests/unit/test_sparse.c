@@ -441,7 +441,7 @@ static void rows_where_no_pivot_tells(void **state) {
 
 /* The history of a partition has no influence: after factorising by rows, and refactorising nearby values, it has by
  * columns the pivots and B of a new partition, bit by bit. */
-static void nothing_is_left_behind(void **state) {
+static void history_has_no_influence(void **state) {
   (void)state;
   for (int i = 0; i < 100; ++i) {
     open_band(20, 30, 50);
@@ -543,7 +543,7 @@ int main(void) {
       cmocka_unit_test(rows_beside_a_forced_column),
       cmocka_unit_test(rows_where_no_pivot_tells),
       cmocka_unit_test(columns_where_no_pivot_tells),
-      cmocka_unit_test(nothing_is_left_behind),
+      cmocka_unit_test(history_has_no_influence),
       cmocka_unit_test(crowded_rows),
       cmocka_unit_test(much_fill),
   };

@@ -31,7 +31,7 @@ static void factor_band(km_factor *p, bool unwatched) {
 
 /* Without independent columns, rank, primary rows and minimum-norm steps are equal; columns requested afterwards are
  * those of a new partition. */
-static void columns_that_nobody_asks_for(void **state) {
+static void equal_steps_for_any_columns(void **state) {
   (void)state;
   double rhs[ROWS], least[COLUMNS], other[COLUMNS];
   int others = 0;
@@ -109,7 +109,7 @@ static void fill_sum(int rows, double distance) {
 
 /* A row depends on others where it is no further than the tolerance from what they span, as by complete pivoting.
  * The smallest singular value is that distance over the square root of how many they are. */
-static void rows_that_lean_on_many(void **state) {
+static void row_near_the_span_of_many(void **state) {
   (void)state;
   for (int i = 0; i < 40; ++i) {
     static const double distance[] = {3e-9, 0.5e-9, 1e-4, 1e-12};
@@ -138,7 +138,7 @@ static int clean(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(columns_that_nobody_asks_for),
-                                     cmocka_unit_test(short_null_vectors), cmocka_unit_test(rows_that_lean_on_many)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(equal_steps_for_any_columns),
+                                     cmocka_unit_test(short_null_vectors), cmocka_unit_test(row_near_the_span_of_many)};
   return cmocka_run_group_tests(tests, NULL, clean);
 }

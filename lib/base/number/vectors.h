@@ -1,4 +1,4 @@
-/* Sums over the entries of a vector, in their order, and projections by them. */
+/* Sums over the entries of a vector, in their order, and projections. */
 #ifndef KM_BASE_NUMBER_VECTORS_H
 #define KM_BASE_NUMBER_VECTORS_H
 
@@ -26,7 +26,7 @@ static inline double km_max_norm(const double *a, int count) {
 }
 
 /* v −= (uᵀ v) u: removes the part along a unit vector u. */
-static inline void km_remove_part(const double *u, double *v, int count) {
+static inline void km_remove_projection(const double *u, double *v, int count) {
   double along = km_dot(u, v, count);
   for (int i = 0; i < count; ++i)
     v[i] -= along * u[i];

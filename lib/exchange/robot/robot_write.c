@@ -119,10 +119,10 @@ static int worth(const km_model *m, int joint) {
 
 static void choose_tree(km_written *w, int *leader) {
   const km_model *m = w->model;
-  km_sets_create(leader, m->body_count);
+  km_sets_reset(leader, m->body_count);
   for (int class = 3; class >= 0; --class)
     for (int j = 0; j < m->joint_count; ++j) {
-      int a = km_set_of(leader, km_joint_body(m, j, 0)), b = km_set_of(leader, km_joint_body(m, j, 1));
+      int a = km_set_root(leader, km_joint_body(m, j, 0)), b = km_set_root(leader, km_joint_body(m, j, 1));
       if (worth(m, j) != class || a == b)
         continue;
       leader[a] = b;
@@ -238,12 +238,12 @@ static int parent_of(const km_written *w, int body) {
 /* True if the joint is in a loop: its ends are connected without it. */
 static bool in_loop(const km_written *w, int joint, int *leader) {
   const km_model *m = w->model;
-  km_sets_create(leader, m->body_count);
+  km_sets_reset(leader, m->body_count);
   for (int j = 0; j < m->joint_count; ++j)
     if (j != joint)
-      leader[km_set_of(leader, km_joint_body(m, j, 0))] = km_set_of(leader, km_joint_body(m, j, 1));
+      leader[km_set_root(leader, km_joint_body(m, j, 0))] = km_set_root(leader, km_joint_body(m, j, 1));
   const km_model_joint *def = &m->joints[joint];
-  return km_set_of(leader, m->frames[def->frame[0]].body) == km_set_of(leader, m->frames[def->frame[1]].body);
+  return km_set_root(leader, m->frames[def->frame[0]].body) == km_set_root(leader, m->frames[def->frame[1]].body);
 }
 
 static void place(km_written *w, const double *q) {

@@ -123,7 +123,7 @@ static double find_least_pivot(const search *f, int index, const km_joint_option
     double *v = f->trial + (size_t)n * (size_t)f->redundant;
     memcpy(v, column_of(f, f->rest, index, motion), (size_t)f->redundant * sizeof *v);
     for (int i = 0; i < n; ++i)
-      km_remove_part(f->trial + (size_t)i * (size_t)f->redundant, v, f->redundant);
+      km_remove_projection(f->trial + (size_t)i * (size_t)f->redundant, v, f->redundant);
     double pivot = km_norm(v, f->redundant);
     least = fmin(least, pivot);
     for (int i = 0; i < f->redundant && pivot > 0.0; ++i)
@@ -143,8 +143,8 @@ static void choose(search *f, int index, int option) {
   f->work += 2.0 * motions * columns * f->redundant;
   for (int i = 0; i < columns; ++i)
     for (int n = 0; n < motions; ++n)
-      km_remove_part(f->trial + (size_t)n * (size_t)f->redundant, f->rest + (size_t)i * (size_t)f->redundant,
-                     f->redundant);
+      km_remove_projection(f->trial + (size_t)n * (size_t)f->redundant, f->rest + (size_t)i * (size_t)f->redundant,
+                           f->redundant);
 }
 
 /* A motion whose column of unit length has a smaller pivot than 1/km_significant_ratio would turn errors of the links

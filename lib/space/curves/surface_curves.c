@@ -9,7 +9,8 @@
 #include <string.h>
 
 static const double least_length = 1e-4; /* a shorter curve without ends is a crossing of others: one q for all z */
-static const double most_chord = 0.03; /* exceeds the distance of consecutive points: a step and corrections of 3e-4 */
+static const double max_point_distance =
+    0.03; /* of consecutive points: the longest step, 0.02, and corrections of 3e-4, with a margin */
 static const double same_curve = 1e-5; /* distance from a curve's interpolant, whose error is 1e-9 */
 
 static km_followed_point new_point(km_arena *a, const km_driver_surface *f) {
@@ -83,8 +84,8 @@ static double distance_from_chord(km_surface_curves *v, const km_curve_point *p,
 }
 
 /* First point from number i on, of a known curve of this kind, that is nearer to the state than `distance`; the number
- * of points if there is none. By the triangle inequality no point up to (d − distance) / most_chord farther along its
- * curve is as near, where d is the distance of one of them. */
+ * of points if there is none. Consecutive points of a curve are closer than max_point_distance. So, if one is at
+ * distance d, the next (d − distance) / max_point_distance points of its curve are no nearer than `distance`. */
 static size_t find_near(const km_surface_curves *v, size_t i, double distance) {
   while (i < v->point_count) {
     const km_curve_point *p = &v->points[i];
@@ -93,17 +94,17 @@ static size_t find_near(const km_surface_curves *v, size_t i, double distance) {
       excess = km_driver_surface_difference(v->system.f, p->saved, v->system.f->step) - distance;
     if (excess < 0.0)
       break;
-    double along = most_chord;
+    double along = max_point_distance;
     for (++i; i < v->point_count && v->points[i].curve == p->curve && along <= excess; ++i)
-      along += most_chord;
+      along += max_point_distance;
   }
   return i;
 }
 
 /* True if the state is on a known curve of this kind. */
 static bool is_on_known(km_surface_curves *v) {
-  size_t i = find_near(v, 0, most_chord);
-  for (; i + 1 < v->point_count; i = find_near(v, i + 1, most_chord))
+  size_t i = find_near(v, 0, max_point_distance);
+  for (; i + 1 < v->point_count; i = find_near(v, i + 1, max_point_distance))
     if (v->points[i + 1].curve == v->points[i].curve &&
         distance_from_chord(v, &v->points[i], &v->points[i + 1]) < same_curve)
       return true;
