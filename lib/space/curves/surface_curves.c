@@ -9,8 +9,8 @@
 #include <string.h>
 
 static const double least_length = 1e-4; /* a shorter curve without ends is a crossing of others: one q for all z */
-static const double max_point_distance =
-    0.03; /* of consecutive points: the longest step, 0.02, and corrections of 3e-4, with a margin */
+/* exceeds the longest step of a curve with its correction, 0.0203 */
+static const double max_point_distance = 0.03;
 static const double same_curve = 1e-5; /* distance from a curve's interpolant, whose error is 1e-9 */
 
 static km_followed_point new_point(km_arena *a, const km_driver_surface *f) {
