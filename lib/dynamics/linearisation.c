@@ -214,7 +214,7 @@ static void find_errors(const km_mechanism *m, const km_linear *l, double *other
 /* Eigenvector of A; its imaginary part is `sign` times a column, or 0. */
 typedef struct eigenvector {
   const double *real, *imaginary;
-  double sign; /* 0: the vector is real, and `imaginary` is not read */
+  double sign; /* 0: the vector is real */
 } eigenvector;
 
 /* Mode shape: real and imaginary parts of all coordinates, normalised so that the largest scaled one is 1. */
@@ -226,7 +226,7 @@ static void write_mode(const km_mechanism *m, const km_linear *l, eigenvector v,
     for (int k = 0; k < l->freedom; ++k) {
       double N = l->N[(size_t)k * (size_t)n + (size_t)c];
       re += N * v.real[k];
-      im += v.sign != 0.0 ? N * v.sign * v.imaginary[k] : 0.0;
+      im += N * v.sign * v.imaginary[k];
     }
     out[c] = re;
     out[n + c] = im;
@@ -267,7 +267,7 @@ static void sort(const eigensystem *e, int size) {
 }
 
 static double magnitude_at(const eigenvector *v, size_t i) {
-  return v->sign != 0.0 ? hypot(v->real[i], v->imaginary[i]) : fabs(v->real[i]);
+  return hypot(v->real[i], v->sign * v->imaginary[i]);
 }
 
 /* First-order error bound of an eigenvalue, Σ |y_i| E_ij |x_j| / |yᴴ x| with its left and right eigenvectors (G.

@@ -133,7 +133,6 @@ void km_factor_copy_pivots(km_factor *to, const km_factor *from) {
   to->rows = from->rows;
   to->columns = from->columns;
   to->rank = from->rank;
-  to->stride = from->stride;
   to->sign = from->sign;
   to->search_count = from->search_count;
   to->scale = from->scale;

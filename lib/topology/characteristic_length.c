@@ -8,12 +8,9 @@
 /* Union-find of bodies connected by rigid joints, in parent[body]. */
 static void unite_rigid_bodies(const km_model *model, int *parent) {
   km_sets_reset(parent, model->body_count);
-  for (int j = 0; j < model->joint_count; ++j) {
-    const km_model_joint *def = &model->joints[j];
-    if (def->type == KM_RIGID)
-      parent[km_set_root(parent, model->frames[def->frame[0]].body)] =
-          km_set_root(parent, model->frames[def->frame[1]].body);
-  }
+  for (int j = 0; j < model->joint_count; ++j)
+    if (model->joints[j].type == KM_RIGID)
+      parent[km_set_root(parent, km_joint_body(model, j, 0))] = km_set_root(parent, km_joint_body(model, j, 1));
 }
 
 /* Rounding length of positions: 1e-14 of the largest coordinate. */

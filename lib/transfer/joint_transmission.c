@@ -26,7 +26,7 @@ static bool is_listed(const km_mechanism *m, int substructure, int joint) {
   const km_joint_type type = def->type;
   if (type != KM_RX && type != KM_RY && type != KM_RZ)
     return false;
-  const bool is_grounded = m->model->frames[def->frame[0]].body == 0 || m->model->frames[def->frame[1]].body == 0;
+  const bool is_grounded = km_joint_body(m->model, joint, 0) == 0 || km_joint_body(m->model, joint, 1) == 0;
   return !is_grounded && m->substructure_of[def->first_coordinate] == substructure;
 }
 

@@ -1,4 +1,4 @@
-/* Disjoint sets (union-find with path halving, R. Tarjan 1975): trees of parents, whose roots stand for the sets. */
+/* Union-find with path halving (R. Tarjan 1975): each set is a tree of parent[i]; its root represents it. */
 #ifndef KM_BASE_NUMBER_UNION_FIND_H
 #define KM_BASE_NUMBER_UNION_FIND_H
 

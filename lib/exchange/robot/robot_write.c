@@ -242,8 +242,7 @@ static bool in_loop(const km_written *w, int joint, int *leader) {
   for (int j = 0; j < m->joint_count; ++j)
     if (j != joint)
       leader[km_set_root(leader, km_joint_body(m, j, 0))] = km_set_root(leader, km_joint_body(m, j, 1));
-  const km_model_joint *def = &m->joints[joint];
-  return km_set_root(leader, m->frames[def->frame[0]].body) == km_set_root(leader, m->frames[def->frame[1]].body);
+  return km_set_root(leader, km_joint_body(m, joint, 0)) == km_set_root(leader, km_joint_body(m, joint, 1));
 }
 
 static void place(km_written *w, const double *q) {

@@ -124,8 +124,7 @@ bool km_is_same_mode(const km_mechanism *m, const km_body_placement *placements,
   /* A crosspiece may rotate between fixed bodies. If two connected bodies keep only their point (the links of a
    * spherical linkage), the configurations are different modes. */
   for (int j = 0; j < model->joint_count; ++j) {
-    int first_body = model->frames[model->joints[j].frame[0]].body,
-        second_body = model->frames[model->joints[j].frame[1]].body;
+    int first_body = km_joint_body(model, j, 0), second_body = km_joint_body(model, j, 1);
     if (compare(&placements[first_body], &a[first_body], &b[first_body], size, tolerance) == SAME_POINT &&
         compare(&placements[second_body], &a[second_body], &b[second_body], size, tolerance) == SAME_POINT)
       return false;

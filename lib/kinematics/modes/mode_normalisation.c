@@ -43,15 +43,12 @@ bool km_mode_close(km_mode_workspace *f) {
   return closed;
 }
 
-static int body_of_joint(const km_mechanism *m, int joint, int end) {
-  return m->model->frames[m->model->joints[joint].frame[end]].body;
-}
-
 /* True if the coordinate belongs to the strut's slide or to the joint at either end. */
 static bool belongs_to_strut(const km_mechanism *m, int strut, int coordinate) {
-  int slide = m->model->coordinates[strut].joint, joint = m->model->coordinates[coordinate].joint;
-  return joint == slide || body_of_joint(m, joint, 1) == body_of_joint(m, slide, 0) ||
-         body_of_joint(m, joint, 0) == body_of_joint(m, slide, 1);
+  const km_model *model = m->model;
+  int slide = model->coordinates[strut].joint, joint = model->coordinates[coordinate].joint;
+  return joint == slide || km_joint_body(model, joint, 1) == km_joint_body(model, slide, 0) ||
+         km_joint_body(model, joint, 0) == km_joint_body(model, slide, 1);
 }
 
 /* Restores the locks. */
